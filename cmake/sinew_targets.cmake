@@ -1,0 +1,53 @@
+# Helpers that every folder of the project uses: one library per core folder, one executable per node or tool, one test per file.
+
+set(SINEW_WARNINGS -Wall -Wextra -Wconversion -Wshadow)
+
+function(sinew_compile_options target)
+  target_compile_options(${target} PRIVATE ${SINEW_WARNINGS})
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(${target} PRIVATE -march=${SINEW_MARCH})
+  endif()
+  if(SINEW_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    target_link_options(${target} PRIVATE -fsanitize=address,undefined)
+  endif()
+endfunction()
+
+# sinew_library(<folder> SOURCES a.cpp ... [LINK target ...])
+function(sinew_library folder)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(sinew_${folder} ${ARG_SOURCES})
+  target_include_directories(sinew_${folder} PUBLIC ${PROJECT_SOURCE_DIR}/include)
+  target_link_libraries(sinew_${folder} PUBLIC Eigen3::Eigen ${ARG_LINK})
+  sinew_compile_options(sinew_${folder})
+  install(TARGETS sinew_${folder}
+    ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+    LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+    RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
+endfunction()
+
+# sinew_executable(<name> SOURCES a.cpp ... [LINK target ...] [ROS]): `rosrun sinew <name>`
+function(sinew_executable name)
+  cmake_parse_arguments(ARG "ROS" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${PROJECT_NAME}_${name} ${ARG_SOURCES})
+  set_target_properties(${PROJECT_NAME}_${name} PROPERTIES OUTPUT_NAME ${name} PREFIX "")
+  target_link_libraries(${PROJECT_NAME}_${name} PRIVATE ${ARG_LINK})
+  sinew_compile_options(${PROJECT_NAME}_${name})
+  if(ARG_ROS)
+    add_dependencies(${PROJECT_NAME}_${name} ${PROJECT_NAME}_generate_messages_cpp)
+    target_include_directories(${PROJECT_NAME}_${name} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+    target_link_libraries(${PROJECT_NAME}_${name} PRIVATE ${catkin_LIBRARIES} Threads::Threads)
+  endif()
+  set_target_properties(${PROJECT_NAME}_${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(TARGETS ${PROJECT_NAME}_${name} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endfunction()
+
+# sinew_test(<name> SOURCES a.cpp ... [LINK target ...]): a gtest without ROS, named <folder>/<noun>_test.cpp
+function(sinew_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  catkin_add_gtest(${name} ${ARG_SOURCES} ${PROJECT_SOURCE_DIR}/test/main.cpp TIMEOUT 900)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/test)
+  target_link_libraries(${name} ${ARG_LINK} ${GTEST_LIBRARIES})
+  target_compile_definitions(${name} PRIVATE SINEW_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  sinew_compile_options(${name})
+endfunction()

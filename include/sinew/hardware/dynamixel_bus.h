@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sinew/hardware/byte_stream.h"
+#include "sinew/hardware/dynamixel_packet.h"
+#include "sinew/hardware/servo_registers.h"
+
+namespace sinew {
+
+enum class BusStatus {
+  kOk,
+  kMissing,      ///< no answer within the time, or only damaged ones
+  kDeviceError,  ///< the device answered that it did not do it
+  kClosed        ///< the line is gone
+};
+
+/// Status packets that did not come as they should, counted since construction.
+struct BusCounters {
+  std::uint64_t corrupted = 0;     ///< damaged: wrong CRC, impossible header, noise of a packet's length
+  std::uint64_t missing = 0;       ///< expected and never seen in their time
+  std::uint64_t device_error = 0;  ///< sound, with their error field set
+  std::uint64_t stale = 0;         ///< sound, but answering nothing that was asked just now
+};
+
+/// One device's part in a read of many.
+struct SyncAnswer {
+  static constexpr std::size_t kMaxSize = 32;
+  BusStatus status = BusStatus::kMissing;
+  std::uint8_t error = 0;  ///< error field: ServoError and kAlertBit
+  std::array<std::uint8_t, kMaxSize> data{};
+};
+
+/// The master of a Dynamixel bus. Every call is one transaction: what is left of earlier ones is flushed, the request
+/// goes out, and only answers of the right device and length count, until all are there or their time is over. Calls
+/// take no longer than the time on the line plus `reply_timeout`, and allocate nothing once buffers have grown.
+class DynamixelBus {
+ public:
+  /// `reply_timeout`: how long an answer may be late beyond its time on the line (adapter latency, scheduling).
+  DynamixelBus(int baud, Duration reply_timeout);
+
+  /// The line to use from now on, which must outlive its use; nullptr for none.
+  void attach(ByteStream* line);
+
+  struct Identity {
+    std::uint16_t model = 0;
+    std::uint8_t firmware = 0;
+  };
+  BusStatus ping(std::uint8_t id, Identity& identity);
+  BusStatus read(std::uint8_t id, ServoRegister r, std::int32_t& value);
+  BusStatus write(std::uint8_t id, ServoRegister r, std::int32_t value);
+  BusStatus reboot(std::uint8_t id);
+  /// Brings the position into one turn again.
+  BusStatus clearTurns(std::uint8_t id);
+  /// Writes `values[i]` to device `ids[i]`, answered by none.
+  BusStatus syncWrite(ServoRegister r, const std::vector<std::uint8_t>& ids, const std::vector<std::int32_t>& values);
+  /// Reads `size` (at most SyncAnswer::kMaxSize) bytes from `address` of every device into `answers`, of the same length
+  /// as `ids`: in one joint answer (fast sync read) as long as the devices know how, else in one answer each. kMissing
+  /// when any part is.
+  BusStatus syncRead(std::uint16_t address, std::uint16_t size, const std::vector<std::uint8_t>& ids,
+                     std::vector<SyncAnswer>& answers);
+
+  /// Error field of the last single answer.
+  std::uint8_t lastError() const { return last_error_; }
+  bool usesFastSyncRead() const { return fast_; }
+  /// Tries the joint answer first again, or never.
+  void setFastSyncRead(bool fast);
+  const BusCounters& counters() const { return counters_; }
+  const PacketRejects& rejects() const { return reader_.rejects(); }
+
+ private:
+  struct Expectation {
+    std::size_t packets = 1;
+    std::size_t frame = 0;  // bytes of one answer without stuffing
+    Time deadline;
+  };
+  BusStatus request(std::uint8_t id, Instruction instruction, std::size_t answers, std::size_t answer_size);
+  BusStatus transact(std::uint8_t id, Instruction instruction, std::size_t answer_size);
+  bool flush();
+  BusStatus receive(InstructionView& packet);
+  void settle(std::size_t received);
+  void countDamage(std::size_t lost);
+  BusStatus plainSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers);
+  BusStatus fastSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers);
+  bool takeJointAnswer(const InstructionView& packet, std::uint16_t size, const std::vector<std::uint8_t>& ids,
+                       std::vector<SyncAnswer>& answers);
+
+  static constexpr int kFastTries = 3;
+  ByteStream* line_ = nullptr;
+  int baud_;
+  Duration reply_timeout_;
+  PacketReader reader_;
+  std::vector<std::uint8_t> parameters_, out_;
+  std::array<std::uint8_t, SyncAnswer::kMaxSize> answer_{};
+  Expectation expected_;
+  std::uint64_t skipped_ = 0;  // the reader's count when the transaction began
+  std::uint8_t last_error_ = 0;
+  bool fast_ = true;
+  int fast_failures_ = 0;  // in a row
+  BusCounters counters_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "sinew/hardware/byte_stream.h"
+#include "sinew/hardware/dynamixel_packet.h"
+#include "sinew/hardware/line_faults.h"
+#include "sinew/hardware/simulated_servo.h"
+
+namespace sinew {
+
+/// A daisy chain of simulated Dynamixel servos on one half-duplex line. The mechanics are stepped from outside:
+///
+///   PseudoTerminal terminal("/tmp/sinew_servos");       // the driver opens this path as its port
+///   SimulatedServoBus bus({1, 2, 3, 4, 5, 6, 7, 8});
+///   bus.start(terminal);                                // answers packets from its own thread
+///   every dt:  bus.setLoadTorque(i, -tension * radius); // per servo, from the mechanics
+///              bus.step(dt);
+///              length_pulled_in = radius * (bus.shaftAngle(i) - angle_at_zero);
+///
+/// Servos are addressed by index 0 .. size()-1, in the order of the ids given. Every member may be called from any thread.
+class SimulatedServoBus {
+ public:
+  /// `ids`: bus ids, each once, 0 .. 252. `baud` sets the time that packets spend on the line.
+  explicit SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud = 1000000,
+                             const SimulatedServo::Parameters& parameters = {});
+  ~SimulatedServoBus();
+  SimulatedServoBus(const SimulatedServoBus&) = delete;
+  SimulatedServoBus& operator=(const SimulatedServoBus&) = delete;
+
+  int size() const { return static_cast<int>(servos_.size()); }
+
+  // --- Mechanics ---
+
+  /// Torque [N m] that the load exerts on the shaft of `servo`, positive towards increasing angle. A cable under tension
+  /// T on a spool of radius r that reels in with positive rotation exerts -T r. Kept until set again.
+  void setLoadTorque(int servo, double torque);
+  /// Shaft angle [rad], continuous over turns, positive counter-clockwise as the device counts. Starts at 0.
+  double shaftAngle(int servo) const;
+  /// Turns the shaft by hand to `angle` [rad].
+  void setShaftAngle(int servo, double angle);
+  /// Torque [N m] that the motor exerted over the last step, same sign as the angle.
+  double motorTorque(int servo) const;
+  bool torqueEnabled(int servo) const;
+  /// Moves every shaft on by `dt` [s]: profiles, current limits, bus watchdog, alarms. The simulated time of the servos
+  /// is the sum of the steps.
+  void step(double dt);
+
+  // --- Serving a line ---
+
+  /// Answers from a thread of its own until `stop()` or destruction. `line` must live as long.
+  void start(ByteStream& line);
+  void stop();
+  /// Serves once from the calling thread: waits up to `timeout` for bytes or for an answer that falls due, takes and
+  /// sends what there is. kClosed when the line is gone, kTimeout when nothing happened.
+  StreamStatus poll(ByteStream& line, Duration timeout);
+
+  /// The line's two halves, for a line without a stream: bytes that arrive at `now`, ...
+  void receive(const std::uint8_t* data, std::size_t size, Time now);
+  /// ... bytes due at `now` (at most `capacity` of them; returns how many), ...
+  std::size_t transmit(std::uint8_t* data, std::size_t capacity, Time now);
+  /// ... and when the next bytes fall due; Time::max() when no answer is waiting.
+  Time nextDue() const;
+
+  // --- Faults on request ---
+
+  /// Switches line faults on (or off, with all probabilities 0) and restarts their random numbers.
+  void setLineFaults(const LineFaults& faults);
+  LineFaultCounts lineFaultCounts() const;
+  /// A frozen servo neither answers nor moves.
+  void setFrozen(int servo, bool frozen);
+  /// Temperature [degC]; above the servo's limit it raises the overheating alarm and shuts its motor down.
+  void setTemperature(int servo, double temperature);
+  /// Supply [V] of every servo. Below the minimum voltage limit they raise the voltage alarm; below the brown-out
+  /// voltage they are off, and restart (torque off, multi-turn count lost) when it returns.
+  void setSupplyVoltage(double voltage);
+  /// Switches one servo off and on again: RAM back to its defaults, multi-turn count lost.
+  void powerCycle(int servo);
+  /// Whether the devices know instruction 8A; older firmware answers it with an error.
+  void setFastSyncReadSupported(bool supported);
+  /// A copy of one servo, for checks that look inside.
+  SimulatedServo servo(int servo) const;
+
+ private:
+  struct Answer {
+    Time due;
+    std::vector<std::uint8_t> bytes;
+  };
+  void serve();
+  void handle(const InstructionView& packet, Time received);
+  void answerSyncRead(const InstructionView& packet, Time received);
+  void answerFastSyncRead(const InstructionView& packet, Time received);
+  void applySyncWrite(const InstructionView& packet);
+  void send(std::vector<std::uint8_t> bytes, Time due);
+  SimulatedServo* find(std::uint8_t id);
+  Duration lineTime(std::size_t bytes) const;
+
+  mutable std::mutex mutex_;
+  std::vector<SimulatedServo> servos_;
+  int baud_;
+  bool fast_sync_read_ = true;
+  PacketReader reader_;
+  std::deque<Answer> answers_;  // ascending by due time
+  Time line_free_{};            // when the last answer has left the line
+  LineFaults faults_;
+  LineFaultCounts counts_;
+  std::mt19937 random_;
+  std::thread thread_;
+  std::atomic<bool> running_{false};
+  ByteStream* line_ = nullptr;
+};
+
+}  // namespace sinew

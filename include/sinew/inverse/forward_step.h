@@ -1,0 +1,34 @@
+#pragma once
+
+#include "sinew/inverse/condensed_robot.h"
+#include "sinew/inverse/forward_problem.h"
+
+namespace sinew {
+
+enum class ForwardStatus { kSolved, kNotConverged, kNotFinite, kNotPositiveDefinite };
+
+/// Moves a condensed robot by the forward problem.
+class ForwardStep {
+ public:
+  explicit ForwardStep(const RobotModel& robot);
+
+  /// One step by `rule`; updates the total `effort` [N] and the body.
+  ForwardStatus step(const Actuation& actuation, const StepRule& rule, CondensedRobot& robot, VecX& effort,
+                     StageTimes& times);
+
+  /// Quasi-static Newton steps until the imbalance is below `tolerance` of the load and the displacements are met to
+  /// `tolerance` of the cables' lengths.
+  ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot,
+                       VecX& effort, StageTimes& times);
+
+  int qpIterations() const { return problem_.iterations(); }
+
+ private:
+  ForwardStatus solve(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times);
+  bool settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot, const VecX& effort) const;
+
+  ForwardProblem problem_;
+  VecX displacement_, change_;
+};
+
+}  // namespace sinew

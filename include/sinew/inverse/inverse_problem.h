@@ -1,0 +1,64 @@
+#pragma once
+
+#include "sinew/common/types.h"
+#include "sinew/inverse/row_space.h"
+#include "sinew/solver/dense_qp.h"
+
+namespace sinew {
+
+/// One cycle's limits, already intersected with what the rates allow; one entry per actuator.
+struct CycleLimits {
+  explicit CycleLimits(int actuators);
+  VecX displacement_min, displacement_max;  ///< m; never give way
+  VecX effort_min, effort_max;              ///< N, of the total effort; give way when nothing else is possible
+};
+
+/// The linear problem of one cycle (thesis 3.3.2), in increments of the efforts.
+struct InverseProblemData {
+  InverseProblemData(int actuators, int max_effector_rows);
+  MatX W_aa;                ///< actuators x actuators, m/N
+  MatX W_ea;                ///< effector rows x actuators, m/N; the leading `effector_rows` count
+  VecX effector_error;      ///< weighted error with efforts unchanged, m
+  int effector_rows = 0;
+  VecX displacement;        ///< with efforts unchanged, m
+  VecX effort;              ///< present total, N
+  double smoothing = 0;     ///< 1, against the change of effort
+};
+
+struct InverseProblemResult {
+  explicit InverseProblemResult(int actuators);
+  QpStatus status = QpStatus::kIterationLimit;
+  VecX effort_change;       ///< N
+  VecX effort_violation;    ///< N by which an effort limit had to give way, 0 when kept
+  int iterations = 0;
+};
+
+/// Solves the inverse problem on two levels: least effector error, then, among its minimisers, least potential energy
+/// 1/2 effort^T W_aa effort of the total effort (the second-order model of the energy stored by the actuators, whose
+/// stationary points it shares). Unknowns are scaled to z = sqrt(W_ii) d_effort, rows likewise, so that every entry of
+/// the problem is of order one. When displacement and effort limits exclude each other, the effort limits give way by
+/// the least violation. No allocation after construction.
+class InverseProblem {
+ public:
+  InverseProblem(int actuators, int max_effector_rows);
+  QpStatus solve(const InverseProblemData& data, const CycleLimits& limits, InverseProblemResult& result);
+  void forget();
+
+ private:
+  void scale(const InverseProblemData& data, const CycleLimits& limits);
+  QpStatus solveEffectors(const InverseProblemData& data, InverseProblemResult& result);
+  QpStatus relaxEfforts(InverseProblemResult& result);
+  void solveEnergy(const InverseProblemData& data, InverseProblemResult& result);
+
+  int actuators_;
+  VecX scale_;            // sqrt(W_ii)
+  MatX W_, E_;            // scaled compliance; scaled effector rows over their largest entry
+  VecX error_, energy_;   // scaled error; scaled gradient of the energy
+  VecX z_min_, z_max_, row_min_, row_max_, z_, relaxation_;
+  RowSpace row_space_;
+  QpProblem effector_problem_, elastic_problem_, energy_problem_;
+  QpSolution effector_solution_, elastic_solution_, energy_solution_;
+  DenseQp effector_qp_, elastic_qp_, energy_qp_;
+};
+
+}  // namespace sinew

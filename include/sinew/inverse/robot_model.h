@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sinew/robot/robot_description.h"
+#include "sinew/mesh/surface.h"
+#include "sinew/mesh/tet_mesh.h"
+
+namespace sinew {
+
+class FemModel;
+class Cable;
+class PointEffector;
+
+/// A robot ready to be simulated or controlled: description, mesh, elements, cables and effectors, none of which
+/// changes afterwards. Shared by controller, forward simulator and display.
+class RobotModel {
+ public:
+  /// Throws ConfigError when the description and the mesh do not make a robot.
+  explicit RobotModel(const RobotDescription& description);
+  RobotModel(const RobotDescription& description, const TetMesh& mesh);
+  ~RobotModel();
+
+  const RobotDescription& description() const { return description_; }
+  const TetMesh& mesh() const { return mesh_; }
+  const Surface& surface() const { return surface_; }
+  const FemModel& fem() const { return *fem_; }
+  const std::vector<Cable>& cables() const { return cables_; }
+  const std::vector<PointEffector>& effectors() const { return effectors_; }
+  int actuatorCount() const;
+  int effectorCount() const;
+  /// Index by name, -1 when unknown.
+  int findActuator(const std::string& name) const;
+  int findEffector(const std::string& name) const;
+  /// Suspicions that do not stop the robot: mesh quality, cable points outside the mesh with their distance, locking.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  RobotDescription description_;
+  TetMesh mesh_;
+  Surface surface_;
+  std::unique_ptr<FemModel> fem_;
+  std::vector<Cable> cables_;
+  std::vector<PointEffector> effectors_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,84 @@
+#include "sinew/inverse/forward_simulator.h"
+
+#include "sinew/constraint/cable.h"
+#include "sinew/constraint/point_effector.h"
+
+namespace sinew {
+
+struct ForwardSimulator::Impl {
+  CondensedRobot condensed;
+  ForwardStep forward;
+  VecX effort, displacement, effectors;
+  StageTimes times;
+
+  explicit Impl(std::shared_ptr<const RobotModel> robot)
+      : condensed(robot),
+        forward(*robot),
+        effort(VecX::Zero(robot->actuatorCount())),
+        displacement(VecX::Zero(robot->actuatorCount())),
+        effectors(3 * robot->effectorCount()) {
+    measure();
+  }
+
+  void measure() {
+    const RobotModel& robot = condensed.robot();
+    const std::vector<Vec3>& positions = condensed.body().positions();
+    for (int i = 0; i < robot.actuatorCount(); ++i) displacement[i] = robot.cables()[i].calcDisplacement(positions);
+    for (int e = 0; e < robot.effectorCount(); ++e) {
+      effectors.segment<3>(3 * e) = robot.effectors()[e].calcPosition(positions);
+    }
+  }
+};
+
+ForwardSimulator::ForwardSimulator(std::shared_ptr<const RobotModel> robot)
+    : impl_(std::make_unique<Impl>(std::move(robot))) {}
+
+ForwardSimulator::~ForwardSimulator() = default;
+
+Actuation ForwardSimulator::makeActuation() const {
+  const int actuators = impl_->condensed.actuators();
+  return {std::vector<Actuation::Mode>(static_cast<std::size_t>(actuators), Actuation::Mode::kDisplacement),
+          VecX::Zero(actuators)};
+}
+
+ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) {
+  const StepRule rule = impl_->condensed.makeRule(period);
+  const ForwardStatus status =
+      impl_->forward.step(actuation, rule, impl_->condensed, impl_->effort, impl_->times);
+  impl_->measure();
+  return status;
+}
+
+ForwardStatus ForwardSimulator::settle(const Actuation& actuation, double tolerance, int max_steps) {
+  const ForwardStatus status =
+      impl_->forward.settle(actuation, tolerance, max_steps, impl_->condensed, impl_->effort, impl_->times);
+  impl_->measure();
+  return status;
+}
+
+void ForwardSimulator::reset() {
+  impl_->condensed.reset();
+  impl_->effort.setZero();
+  impl_->measure();
+}
+
+const std::vector<Vec3>& ForwardSimulator::nodes() const { return impl_->condensed.body().positions(); }
+
+void ForwardSimulator::calcCablePoints(int cable, std::vector<Vec3>& points) const {
+  impl_->condensed.robot().cables()[cable].calcPoints(nodes(), points);
+}
+
+const VecX& ForwardSimulator::displacement() const { return impl_->displacement; }
+
+const VecX& ForwardSimulator::effort() const { return impl_->effort; }
+
+const VecX& ForwardSimulator::effectors() const { return impl_->effectors; }
+
+double ForwardSimulator::residual() const { return impl_->condensed.residual(); }
+
+double ForwardSimulator::residualRelative() const {
+  const double load = impl_->condensed.loadNorm();
+  return load > 0 ? residual() / load : residual();
+}
+
+}  // namespace sinew

@@ -1,0 +1,79 @@
+#include "sinew/inverse/forward_step.h"
+
+#include <cmath>
+
+#include "sinew/constraint/cable.h"
+
+namespace sinew {
+namespace {
+
+VecX minimalEfforts(const RobotModel& robot) {
+  VecX efforts(robot.actuatorCount());
+  for (int i = 0; i < efforts.size(); ++i) efforts[i] = robot.cables()[i].description().tension.min;
+  return efforts;
+}
+
+}  // namespace
+
+ForwardStep::ForwardStep(const RobotModel& robot)
+    : problem_(minimalEfforts(robot)),
+      displacement_(VecX::Zero(robot.actuatorCount())),
+      change_(VecX::Zero(robot.actuatorCount())) {}
+
+ForwardStatus ForwardStep::solve(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times) {
+  if (!robot.condense(times)) return ForwardStatus::kNotPositiveDefinite;
+  displacement_ = robot.displacement() + robot.freeMotion().head(robot.actuators());
+  QpStatus status;
+  {
+    const StageTimer timer(times.qp);
+    status = problem_.solve(robot.compliance(), displacement_, effort, actuation, change_);
+  }
+  if (status != QpStatus::kSolved || !change_.allFinite()) return ForwardStatus::kNotFinite;
+  const double scale = robot.advance(change_, robot.robot().description().control.max_node_step, times);
+  effort += scale * change_;
+  return ForwardStatus::kSolved;
+}
+
+ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule, CondensedRobot& robot, VecX& effort,
+                                StageTimes& times) {
+  robot.body().beginStep();
+  robot.linearise(effort, rule, times);
+  const ForwardStatus status = solve(actuation, robot, effort, times);
+  robot.body().endStep(rule);
+  return status;
+}
+
+bool ForwardStep::settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot,
+                          const VecX& effort) const {
+  if (!(robot.residual() <= tolerance * robot.loadNorm())) return false;
+  for (int i = 0; i < robot.actuators(); ++i) {
+    const Cable& cable = robot.robot().cables()[i];
+    const double excess = robot.displacement()[i] - actuation.value[i];
+    const bool taut = effort[i] > cable.description().tension.min;
+    if (actuation.mode[i] == Actuation::Mode::kEffort) {
+      if (effort[i] != actuation.value[i]) return false;
+    } else if ((taut ? std::abs(excess) : -excess) > tolerance * cable.restLength()) {
+      return false;
+    }
+  }
+  return true;
+}
+
+ForwardStatus ForwardStep::settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot,
+                                  VecX& effort, StageTimes& times) {
+  const StepRule rule;
+  robot.body().beginStep();
+  for (int k = 0; k < max_steps; ++k) {
+    robot.linearise(effort, rule, times);
+    if (settled(actuation, tolerance, robot, effort)) {
+      robot.body().endStep(rule);
+      return ForwardStatus::kSolved;
+    }
+    if (!std::isfinite(robot.residual())) return ForwardStatus::kNotFinite;
+    const ForwardStatus status = solve(actuation, robot, effort, times);
+    if (status != ForwardStatus::kSolved) return status;
+  }
+  return ForwardStatus::kNotConverged;
+}
+
+}  // namespace sinew

@@ -1,0 +1,360 @@
+#include "sinew/inverse/inverse_controller.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/constraint/cable.h"
+#include "sinew/constraint/point_effector.h"
+#include "sinew/inverse/forward_step.h"
+#include "sinew/inverse/inverse_problem.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kSyncStep = 5e-3;       // m of cable per load step when the model is moved to a measurement
+constexpr double kSyncTolerance = 1e-9;
+constexpr int kSyncIterations = 100;
+constexpr double kOnLimit = 1e-9;        // of the range, within which a limit counts as reached
+
+int maxEffectorRows(const RobotModel& robot) {
+  int rows = 0;
+  for (const PointEffector& effector : robot.effectors()) rows += effector.rowCount();
+  return rows;
+}
+
+HoldReason reasonOf(ForwardStatus status) {
+  switch (status) {
+    case ForwardStatus::kSolved:
+      return HoldReason::kNone;
+    case ForwardStatus::kNotPositiveDefinite:
+      return HoldReason::kNotPositiveDefinite;
+    default:
+      return HoldReason::kNotFinite;
+  }
+}
+
+}  // namespace
+
+struct InverseController::Impl {
+  std::shared_ptr<const RobotModel> robot;
+  CondensedRobot condensed;
+  ForwardStep forward;
+  InverseProblem problem;
+  InverseProblemData data;
+  InverseProblemResult result;
+  CycleLimits limits;
+  Actuation held;
+  VecX effort;        // N, total
+  VecX command;       // m, of the last cycle
+  VecX cycle_start;   // m, what the rates of this cycle count from
+  VecX linear_displacement;
+  VecX last_valid_effort;
+
+  explicit Impl(std::shared_ptr<const RobotModel> model)
+      : robot(model),
+        condensed(model),
+        forward(*model),
+        problem(model->actuatorCount(), maxEffectorRows(*model)),
+        data(model->actuatorCount(), maxEffectorRows(*model)),
+        result(model->actuatorCount()),
+        limits(model->actuatorCount()),
+        effort(VecX::Zero(model->actuatorCount())),
+        command(VecX::Zero(model->actuatorCount())),
+        cycle_start(VecX::Zero(model->actuatorCount())),
+        linear_displacement(VecX::Zero(model->actuatorCount())),
+        last_valid_effort(VecX::Zero(model->actuatorCount())) {
+    held.mode.assign(static_cast<std::size_t>(actuators()), Actuation::Mode::kDisplacement);
+    held.value = VecX::Zero(actuators());
+    data.smoothing = model->description().control.smoothing;
+  }
+
+  int actuators() const { return robot->actuatorCount(); }
+  const Limits& displacementLimits(int i) const { return robot->cables()[i].description().displacement; }
+  const Limits& tensionLimits(int i) const { return robot->cables()[i].description().tension; }
+
+  bool validInput(const CycleInput& input) const {
+    return input.targets.size() == 3 * robot->effectorCount() &&
+           static_cast<int>(input.targeted.size()) == robot->effectorCount() &&
+           (input.applied.size() == 0 || input.applied.size() == actuators()) && input.applied.allFinite() &&
+           std::isfinite(input.period) && input.period > 0;
+  }
+
+  // A rate is hard: outside the range the command comes back no faster than the rate allows.
+  void updateLimits(double period) {
+    for (int i = 0; i < actuators(); ++i) {
+      const Limits& range = displacementLimits(i);
+      const double step = range.rate * period;
+      limits.displacement_min[i] = std::min(std::max(range.min, cycle_start[i] - step), cycle_start[i] + step);
+      limits.displacement_max[i] = std::max(std::min(range.max, cycle_start[i] + step), cycle_start[i] - step);
+      const Limits& tension = tensionLimits(i);
+      const double change = tension.rate * period;
+      limits.effort_min[i] = std::max(tension.min, last_valid_effort[i] - change);
+      limits.effort_max[i] = std::min(tension.max, last_valid_effort[i] + change);
+      limits.effort_min[i] = std::min(limits.effort_min[i], limits.effort_max[i]);
+    }
+  }
+
+  // Effector rows of the targeted effectors, with the error they have when the efforts stay as they are. A goal farther
+  // than the reach of one cycle is chased part of the way: one factor for all rows keeps the stationary points.
+  double gatherEffectors(const CycleInput& input, CycleOutput& output) {
+    const int n = actuators();
+    int row = n;
+    data.effector_rows = 0;
+    double squared = 0;
+    for (int e = 0; e < robot->effectorCount(); ++e) {
+      const PointEffector& effector = robot->effectors()[e];
+      if (input.targeted[e]) {
+        double* error = data.effector_error.data() + data.effector_rows;
+        effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e), error);
+        for (int k = 0; k < effector.rowCount(); ++k) {
+          error[k] += condensed.freeMotion()[row + k];
+          squared += error[k] * error[k];
+          data.W_ea.row(data.effector_rows + k) = condensed.compliance().row(row + k).head(n);
+        }
+        data.effector_rows += effector.rowCount();
+      }
+      row += effector.rowCount();
+    }
+    const double distance = std::sqrt(squared);
+    const double reach = robot->description().control.reach_per_cycle;
+    output.goal_scale = distance > reach ? reach / distance : 1.0;
+    data.effector_error.head(data.effector_rows) *= output.goal_scale;
+    return distance;
+  }
+
+  HoldReason newtonStep(const CycleInput& input, const StepRule& rule, CycleOutput& output) {
+    const int n = actuators();
+    condensed.linearise(effort, rule, output.times);
+    if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
+    if (!condensed.condense(output.times)) return HoldReason::kNotPositiveDefinite;
+    const double distance = gatherEffectors(input, output);
+    if (!std::isfinite(distance)) return HoldReason::kNotFinite;
+    {
+      const StageTimer timer(output.times.qp);
+      data.W_aa = condensed.compliance().topLeftCorner(n, n);
+      data.displacement = condensed.displacement() + condensed.freeMotion().head(n);
+      data.effort = effort;
+      output.qp_status = problem.solve(data, limits, result);
+      output.qp_iterations += result.iterations;
+    }
+    if (output.qp_status != QpStatus::kSolved) return HoldReason::kQpFailed;
+    linear_displacement = condensed.freeMotion().head(n);
+    linear_displacement.noalias() += data.W_aa * result.effort_change;
+    const double scale =
+        condensed.advance(result.effort_change, robot->description().control.max_node_step, output.times);
+    effort += scale * result.effort_change;
+    linear_displacement = condensed.displacement() + scale * linear_displacement;
+    return linear_displacement.allFinite() && effort.allFinite() ? HoldReason::kNone : HoldReason::kNotFinite;
+  }
+
+  void reportState(const CycleInput& input, CycleOutput& output) {
+    const std::vector<Vec3>& positions = condensed.body().positions();
+    double squared = 0;
+    for (int e = 0; e < robot->effectorCount(); ++e) {
+      const PointEffector& effector = robot->effectors()[e];
+      output.effectors.segment<3>(3 * e) = effector.calcPosition(positions);
+      if (!input.targeted[e]) continue;
+      double error[3];
+      effector.calcError(positions, input.targets.segment<3>(3 * e), error);
+      for (int k = 0; k < effector.rowCount(); ++k) squared += error[k] * error[k];
+    }
+    output.effector_error = std::sqrt(squared);
+    output.residual = condensed.residual();
+    output.residual_relative = output.residual / std::max(condensed.loadNorm(), 1e-300);
+    output.displacement = command;
+    output.effort = effort;
+  }
+
+  void reportLimits(CycleOutput& output) {
+    output.limits.clear();
+    const auto report = [&](int actuator, LimitKind kind, double value, double violation) {
+      if (output.limits.size() < output.limits.capacity()) output.limits.push_back({actuator, kind, value, violation});
+    };
+    for (int i = 0; i < actuators(); ++i) {
+      const Limits& range = displacementLimits(i);
+      const double low = limits.displacement_min[i], high = limits.displacement_max[i];
+      const double near = kOnLimit * std::max(high - low, 1e-6);
+      if (command[i] - low <= near) {
+        report(i, low == range.min ? LimitKind::kDisplacementMin : LimitKind::kRateMin,
+               low == range.min ? range.min : range.rate, 0);
+      }
+      if (high - command[i] <= near) {
+        report(i, high == range.max ? LimitKind::kDisplacementMax : LimitKind::kRateMax,
+               high == range.max ? range.max : range.rate, 0);
+      }
+      const Limits& tension = tensionLimits(i);
+      const double span = std::isfinite(tension.max) ? tension.max - std::max(tension.min, 0.0) : 1.0;
+      if (effort[i] - tension.min <= kOnLimit * span) {
+        report(i, LimitKind::kEffortMin, tension.min, std::max(0.0, tension.min - effort[i]));
+      }
+      if (tension.max - effort[i] <= kOnLimit * span) {
+        report(i, LimitKind::kEffortMax, tension.max, std::max(0.0, effort[i] - tension.max));
+      }
+    }
+  }
+
+  // The model stands still with its cables held, and the command repeats the last valid one.
+  CycleStatus hold(const CycleInput& input, HoldReason reason, CycleOutput& output) {
+    effort = last_valid_effort;
+    output.status = CycleStatus::kHeld;
+    output.reason = reason;
+    reportState(input, output);
+    reportLimits(output);
+    return output.status;
+  }
+
+  bool anyTarget(const CycleInput& input) const {
+    return std::find(input.targeted.begin(), input.targeted.end(), true) != input.targeted.end();
+  }
+
+  CycleStatus track(const CycleInput& input, CycleOutput& output) {
+    const StepRule rule = condensed.makeRule(input.period);
+    if (input.applied.size() == actuators()) command = input.applied;
+    cycle_start = command;
+    last_valid_effort = effort;
+    updateLimits(input.period);
+    condensed.body().beginStep();
+    bool gave_way = false;
+    for (int k = 0; k < robot->description().control.newton_steps; ++k) {
+      const HoldReason reason = newtonStep(input, rule, output);
+      if (reason != HoldReason::kNone) {
+        condensed.body().abandonStep();
+        return hold(input, reason, output);
+      }
+      ++output.newton_steps;
+      gave_way = result.effort_violation.maxCoeff() > kOnLimit;
+    }
+    condensed.body().endStep(rule);
+    // Rounding must not carry a command past a hard limit.
+    command = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
+    output.status = gave_way ? CycleStatus::kDegraded : CycleStatus::kSolved;
+    output.reason = HoldReason::kNone;
+    reportState(input, output);
+    reportLimits(output);
+    return output.status;
+  }
+
+  CycleStatus follow(const CycleInput& input, const VecX& displacement, CycleOutput& output) {
+    if (displacement.size() != actuators() || !displacement.allFinite()) {
+      return hold(input, HoldReason::kNotFinite, output);
+    }
+    held.value = displacement;
+    last_valid_effort = effort;
+    cycle_start = displacement;
+    updateLimits(input.period);
+    const ForwardStatus status =
+        forward.step(held, condensed.makeRule(input.period), condensed, effort, output.times);
+    output.qp_iterations = forward.qpIterations();
+    output.newton_steps = 1;
+    if (status != ForwardStatus::kSolved) {
+      condensed.body().abandonStep();
+      return hold(input, reasonOf(status), output);
+    }
+    command = displacement;
+    output.status = CycleStatus::kSolved;
+    output.reason = HoldReason::kNone;
+    reportState(input, output);
+    reportLimits(output);
+    return output.status;
+  }
+
+  double distanceTo(const VecX& measured) const {
+    double worst = 0;
+    for (int i = 0; i < actuators(); ++i) {
+      const double excess = robot->cables()[i].calcDisplacement(condensed.body().positions()) - measured[i];
+      const bool taut = effort[i] > tensionLimits(i).min;
+      worst = std::max(worst, taut ? std::abs(excess) : -excess);
+    }
+    return worst;
+  }
+};
+
+InverseController::InverseController(std::shared_ptr<const RobotModel> robot)
+    : impl_(std::make_unique<Impl>(std::move(robot))) {}
+
+InverseController::~InverseController() = default;
+
+const RobotModel& InverseController::robot() const { return *impl_->robot; }
+
+CycleInput InverseController::makeInput() const {
+  CycleInput input;
+  input.targets = VecX::Zero(3 * robot().effectorCount());
+  input.targeted.assign(static_cast<std::size_t>(robot().effectorCount()), false);
+  return input;
+}
+
+CycleOutput InverseController::makeOutput() const {
+  CycleOutput output;
+  const int actuators = robot().actuatorCount();
+  output.displacement = output.effort = VecX::Zero(actuators);
+  output.effectors = VecX::Zero(3 * robot().effectorCount());
+  output.limits.reserve(4 * static_cast<std::size_t>(actuators));
+  return output;
+}
+
+CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output) {
+  output.times = StageTimes();
+  output.qp_iterations = output.newton_steps = 0;
+  output.goal_scale = 1;
+  const StageTimer timer(output.times.cycle);
+  if (!impl_->validInput(input)) {
+    output.status = CycleStatus::kHeld;
+    output.reason = HoldReason::kNotFinite;
+    output.displacement = impl_->command;
+    output.effort = impl_->effort;
+    return output.status;
+  }
+  if (!impl_->anyTarget(input)) {
+    return impl_->follow(input, input.applied.size() > 0 ? input.applied : impl_->command, output);
+  }
+  return impl_->track(input, output);
+}
+
+CycleStatus InverseController::follow(const VecX& displacement, double period, CycleOutput& output) {
+  output.times = StageTimes();
+  output.qp_iterations = output.newton_steps = 0;
+  output.goal_scale = 1;
+  const StageTimer timer(output.times.cycle);
+  CycleInput free = makeInput();
+  free.period = period;
+  return impl_->follow(free, displacement, output);
+}
+
+double InverseController::resynchronise(const VecX& measured) {
+  Impl& impl = *impl_;
+  const double failed = std::numeric_limits<double>::infinity();
+  if (measured.size() != impl.actuators() || !measured.allFinite()) return failed;
+  VecX start(impl.actuators());
+  for (int i = 0; i < impl.actuators(); ++i) {
+    start[i] = impl.robot->cables()[i].calcDisplacement(impl.condensed.body().positions());
+  }
+  const int steps = 1 + static_cast<int>((measured - start).cwiseAbs().maxCoeff() / kSyncStep);
+  StageTimes times;
+  for (int k = 1; k <= steps; ++k) {
+    impl.held.value = start + (measured - start) * k / steps;
+    const double tolerance = k < steps ? 1e-3 : kSyncTolerance;
+    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, impl.condensed, impl.effort, times) !=
+        ForwardStatus::kSolved) {
+      return failed;
+    }
+  }
+  impl.command = measured;
+  impl.problem.forget();
+  return impl.distanceTo(measured);
+}
+
+void InverseController::reset() {
+  impl_->condensed.reset();
+  impl_->effort.setZero();
+  impl_->command.setZero();
+  impl_->last_valid_effort.setZero();
+  impl_->problem.forget();
+}
+
+const std::vector<Vec3>& InverseController::nodes() const { return impl_->condensed.body().positions(); }
+
+void InverseController::calcCablePoints(int cable, std::vector<Vec3>& points) const {
+  robot().cables()[cable].calcPoints(nodes(), points);
+}
+
+}  // namespace sinew

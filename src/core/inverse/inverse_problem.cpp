@@ -1,0 +1,178 @@
+#include "sinew/inverse/inverse_problem.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew {
+namespace {
+
+// Regularisation on the change of effort, relative to the best-driven direction. It vanishes at rest, so it does not
+// bias the answer; directions that move the effector less than 1e-5 of the best one converge over several cycles.
+constexpr double kRegularisation = 1e-10;
+constexpr double kRankTolerance = 1e-5;
+constexpr double kElasticRegularisation = 1e-9;
+constexpr double kRelaxationMargin = 1e-9;
+
+}  // namespace
+
+CycleLimits::CycleLimits(int actuators)
+    : displacement_min(actuators), displacement_max(actuators), effort_min(actuators), effort_max(actuators) {}
+
+InverseProblemData::InverseProblemData(int actuators, int max_effector_rows)
+    : W_aa(actuators, actuators),
+      W_ea(max_effector_rows, actuators),
+      effector_error(max_effector_rows),
+      displacement(actuators),
+      effort(actuators) {}
+
+InverseProblemResult::InverseProblemResult(int actuators)
+    : effort_change(VecX::Zero(actuators)), effort_violation(VecX::Zero(actuators)) {}
+
+InverseProblem::InverseProblem(int actuators, int max_effector_rows)
+    : actuators_(actuators),
+      scale_(actuators),
+      W_(actuators, actuators),
+      E_(max_effector_rows, actuators),
+      error_(max_effector_rows),
+      energy_(actuators),
+      z_min_(actuators),
+      z_max_(actuators),
+      row_min_(actuators),
+      row_max_(actuators),
+      z_(actuators),
+      relaxation_(actuators),
+      row_space_(max_effector_rows, actuators),
+      effector_problem_(actuators, actuators),
+      elastic_problem_(2 * actuators, 3 * actuators),
+      energy_problem_(actuators, 2 * actuators),
+      effector_solution_(actuators, actuators),
+      elastic_solution_(2 * actuators, 3 * actuators),
+      energy_solution_(actuators, 2 * actuators),
+      effector_qp_(actuators, actuators),
+      elastic_qp_(2 * actuators, 3 * actuators),
+      energy_qp_(actuators, 2 * actuators) {}
+
+void InverseProblem::forget() {
+  effector_qp_.forget();
+  elastic_qp_.forget();
+  energy_qp_.forget();
+}
+
+void InverseProblem::scale(const InverseProblemData& data, const CycleLimits& limits) {
+  const int n = actuators_;
+  scale_ = data.W_aa.diagonal().cwiseSqrt();
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) W_(i, j) = data.W_aa(i, j) / (scale_[i] * scale_[j]);
+    for (int i = 0; i < data.effector_rows; ++i) E_(i, j) = data.W_ea(i, j) / scale_[j];
+  }
+  const double largest = data.effector_rows > 0 ? E_.topRows(data.effector_rows).cwiseAbs().maxCoeff() : 0.0;
+  const double unit = largest > 0 ? largest : 1.0;
+  E_.topRows(data.effector_rows) /= unit;
+  error_.head(data.effector_rows) = data.effector_error.head(data.effector_rows) / unit;
+
+  z_min_ = (limits.effort_min - data.effort).cwiseProduct(scale_);
+  z_max_ = (limits.effort_max - data.effort).cwiseProduct(scale_);
+  row_min_ = (limits.displacement_min - data.displacement).cwiseQuotient(scale_);
+  row_max_ = (limits.displacement_max - data.displacement).cwiseQuotient(scale_);
+  z_ = data.effort.cwiseProduct(scale_);
+  energy_.noalias() = W_ * z_;
+  relaxation_.setZero();
+}
+
+QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseProblemResult& result) {
+  const int n = actuators_;
+  QpProblem& qp = effector_problem_;
+  qp.resize(n, n);
+  const auto E = E_.topRows(data.effector_rows);
+  qp.G.topLeftCorner(n, n).noalias() = E.transpose() * E;
+  const double largest = std::max(qp.G.topLeftCorner(n, n).diagonal().maxCoeff(), 1e-300);
+  qp.G.topLeftCorner(n, n).diagonal().array() += largest * (kRegularisation + data.smoothing);
+  qp.g.head(n).noalias() = E.transpose() * error_.head(data.effector_rows);
+  qp.lower.head(n) = z_min_ - relaxation_;
+  qp.upper.head(n) = z_max_ + relaxation_;
+  qp.C.topLeftCorner(n, n) = W_;
+  qp.row_lower.head(n) = row_min_;
+  qp.row_upper.head(n) = row_max_;
+  const QpStatus status = effector_qp_.solve(qp, effector_solution_);
+  result.iterations += effector_solution_.iterations;
+  if (status == QpStatus::kSolved) z_ = effector_solution_.x.head(n);
+  return status;
+}
+
+// Unknowns (z, t): least 1/2 |t|^2 with z_min - t <= z <= z_max + t and the displacement rows kept.
+QpStatus InverseProblem::relaxEfforts(InverseProblemResult& result) {
+  const int n = actuators_;
+  QpProblem& qp = elastic_problem_;
+  qp.resize(2 * n, 3 * n);
+  qp.G.topLeftCorner(2 * n, 2 * n).setZero();
+  qp.G.topLeftCorner(n, n).diagonal().setConstant(kElasticRegularisation);
+  qp.G.block(n, n, n, n).diagonal().setOnes();
+  qp.g.head(2 * n).setZero();
+  qp.lower.head(n).setConstant(-std::numeric_limits<double>::infinity());
+  qp.lower.segment(n, n).setZero();
+  qp.upper.head(2 * n).setConstant(std::numeric_limits<double>::infinity());
+  qp.C.topLeftCorner(3 * n, 2 * n).setZero();
+  qp.C.topLeftCorner(n, n) = W_;
+  qp.row_lower.head(n) = row_min_;
+  qp.row_upper.head(n) = row_max_;
+  qp.C.block(n, 0, n, n).diagonal().setOnes();
+  qp.C.block(n, n, n, n).diagonal().setOnes();
+  qp.row_lower.segment(n, n) = z_min_;
+  qp.row_upper.segment(n, n).setConstant(std::numeric_limits<double>::infinity());
+  qp.C.block(2 * n, 0, n, n).diagonal().setOnes();
+  qp.C.block(2 * n, n, n, n).diagonal().setConstant(-1);
+  qp.row_lower.segment(2 * n, n).setConstant(-std::numeric_limits<double>::infinity());
+  qp.row_upper.segment(2 * n, n) = z_max_;
+  const QpStatus status = elastic_qp_.solve(qp, elastic_solution_);
+  result.iterations += elastic_solution_.iterations;
+  if (status != QpStatus::kSolved) return status;
+  relaxation_ = elastic_solution_.x.segment(n, n);
+  result.effort_violation = relaxation_.cwiseQuotient(scale_);
+  relaxation_.array() += kRelaxationMargin * (1 + relaxation_.maxCoeff());
+  return status;
+}
+
+// Keeps what the first level reached, E z, and spends the freedom that is left on the energy. Its failure loses
+// nothing: z then stays the first level's.
+void InverseProblem::solveEnergy(const InverseProblemData& data, InverseProblemResult& result) {
+  const int n = actuators_;
+  row_space_.update(E_, data.effector_rows, kRankTolerance);
+  const int rank = row_space_.rank();
+  if (rank == n) return;
+  const auto basis = row_space_.basis().topRows(rank);
+  QpProblem& qp = energy_problem_;
+  qp.resize(n, n + rank);
+  qp.G.topLeftCorner(n, n) = W_;
+  qp.G.topLeftCorner(n, n).diagonal().array() += data.smoothing;
+  qp.g.head(n) = energy_;
+  qp.lower.head(n) = z_min_ - relaxation_;
+  qp.upper.head(n) = z_max_ + relaxation_;
+  qp.C.topLeftCorner(n, n) = W_;
+  qp.row_lower.head(n) = row_min_;
+  qp.row_upper.head(n) = row_max_;
+  qp.C.block(n, 0, rank, n) = basis;
+  qp.row_lower.segment(n, rank).noalias() = basis * z_;
+  qp.row_upper.segment(n, rank) = qp.row_lower.segment(n, rank);
+  const QpStatus status = energy_qp_.solve(qp, energy_solution_);
+  result.iterations += energy_solution_.iterations;
+  if (status == QpStatus::kSolved) z_ = energy_solution_.x.head(n);
+}
+
+QpStatus InverseProblem::solve(const InverseProblemData& data, const CycleLimits& limits,
+                               InverseProblemResult& result) {
+  result.iterations = 0;
+  result.effort_violation.setZero();
+  if (!(data.W_aa.diagonal().minCoeff() > 0)) return result.status = QpStatus::kNotFinite;
+  scale(data, limits);
+  result.status = solveEffectors(data, result);
+  if (result.status == QpStatus::kInfeasible && relaxEfforts(result) == QpStatus::kSolved) {
+    result.status = solveEffectors(data, result);
+  }
+  if (result.status != QpStatus::kSolved) return result.status;
+  solveEnergy(data, result);
+  result.effort_change = z_.cwiseQuotient(scale_);
+  if (!result.effort_change.allFinite()) result.status = QpStatus::kNotFinite;
+  return result.status;
+}
+
+}  // namespace sinew

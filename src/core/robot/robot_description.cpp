@@ -1,0 +1,187 @@
+#include "sinew/robot/robot_description.h"
+
+#include <set>
+
+#include "sinew/common/config_error.h"
+#include "sinew/common/yaml_reader.h"
+#include "sinew/robot/urdf_frames.h"
+
+namespace sinew {
+namespace {
+
+void readMesh(const YamlReader& yaml, RobotDescription& robot) {
+  const YamlReader mesh = yaml.map("mesh");
+  robot.mesh_file = mesh.path("file");
+  robot.mesh_scale = mesh.positiveOr("scale", 1.0);
+  mesh.refuseUnknownKeys();
+}
+
+void readGravity(const YamlReader& yaml, RobotDescription& robot) {
+  const YamlReader gravity = yaml.map("gravity");
+  const Vec3 vector = gravity.vec3("vector");
+  const std::string frame = gravity.textOr("frame", robot.frame);
+  gravity.refuseUnknownKeys();
+  if (vector.norm() > 100) gravity.fail("vector", "an acceleration in m/s2, [0, 0, -9.81] on Earth");
+  if (frame == robot.frame) {
+    robot.gravity = vector;
+    return;
+  }
+  if (robot.urdf_file.empty()) gravity.fail("frame", "'" + robot.frame + "', or a link of a URDF named by the key urdf");
+  robot.gravity = readUrdfPose(robot.urdf_file, robot.frame, frame).linear() * vector;
+}
+
+MaterialDescription readMaterial(const YamlReader& yaml) {
+  MaterialDescription material;
+  if (yaml.has("region")) material.region = yaml.integer("region", 0, 1 << 30);
+  material.young_modulus = yaml.positive("young_modulus");
+  material.poisson_ratio = yaml.number("poisson_ratio", -0.99, 0.4999);
+  if (yaml.has("density") == yaml.has("total_mass")) {
+    yaml.fail("density", "either density [kg/m3] or total_mass [kg], one of the two");
+  }
+  if (yaml.has("density")) material.density = yaml.number("density", 0, 1e5);
+  if (yaml.has("total_mass")) material.total_mass = yaml.positive("total_mass");
+  yaml.refuseUnknownKeys();
+  return material;
+}
+
+std::vector<MaterialDescription> readMaterials(const YamlReader& yaml) {
+  std::vector<MaterialDescription> materials;
+  std::set<int> regions;
+  for (const YamlReader& item : yaml.maps("materials")) {
+    materials.push_back(readMaterial(item));
+    if (!regions.insert(materials.back().region).second) item.fail("region", "each region once");
+  }
+  if (materials.empty()) yaml.fail("materials", "a list of one material or more");
+  return materials;
+}
+
+FixedNodesDescription readFixedNodes(const YamlReader& yaml) {
+  FixedNodesDescription fixed;
+  const YamlReader shapes = yaml.map("fixed");
+  for (const YamlReader& item : shapes.maps("boxes")) {
+    fixed.boxes.push_back({item.vec3("min"), item.vec3("max")});
+    if (!(fixed.boxes.back().min.array() <= fixed.boxes.back().max.array()).all()) {
+      item.fail("max", "no coordinate below that of min");
+    }
+    item.refuseUnknownKeys();
+  }
+  for (const YamlReader& item : shapes.maps("spheres")) {
+    fixed.spheres.push_back({item.vec3("centre"), item.positive("radius")});
+    item.refuseUnknownKeys();
+  }
+  if (shapes.has("nodes")) fixed.nodes = shapes.integerList("nodes", 0, 1 << 30);
+  shapes.refuseUnknownKeys();
+  return fixed;
+}
+
+Limits readLimits(const YamlReader& yaml, const std::string& key, const Limits& otherwise) {
+  if (!yaml.has(key)) return otherwise;
+  const YamlReader map = yaml.map(key);
+  Limits limits;
+  limits.min = map.numberOr("min", otherwise.min);
+  limits.max = map.numberOr("max", otherwise.max);
+  limits.rate = map.numberOr("rate", otherwise.rate, 0);
+  if (limits.min > limits.max) map.fail("max", "a number >= min");
+  if (limits.rate == 0) map.fail("rate", "a number > 0");
+  map.refuseUnknownKeys();
+  return limits;
+}
+
+void refuseDuplicate(const YamlReader& item, const std::string& name, std::set<std::string>& names) {
+  if (!names.insert(name).second) item.fail("name", "a name used once");
+}
+
+std::vector<CableDescription> readCables(const YamlReader& yaml) {
+  const Limits pull_only{0, kUnlimited, kUnlimited};
+  std::vector<CableDescription> cables;
+  std::set<std::string> names;
+  for (const YamlReader& item : yaml.maps("cables")) {
+    CableDescription cable;
+    cable.name = item.text("name");
+    refuseDuplicate(item, cable.name, names);
+    cable.pull_point = item.vec3("pull_point");
+    cable.via_points = item.vec3List("via_points");
+    if (cable.via_points.empty()) item.fail("via_points", "one point or more, the last one the cable's anchor");
+    cable.displacement = readLimits(item, "displacement", Limits());
+    if (cable.displacement.min > 0) item.map("displacement").fail("min", "a number <= 0: the cable starts at 0");
+    if (cable.displacement.max < 0) item.map("displacement").fail("max", "a number >= 0: the cable starts at 0");
+    cable.tension = readLimits(item, "tension", pull_only);
+    cable.tube_stiffness = item.numberOr("tube_stiffness", 0, 0);
+    item.refuseUnknownKeys();
+    cables.push_back(cable);
+  }
+  if (cables.empty()) yaml.fail("cables", "a list of one cable or more");
+  return cables;
+}
+
+std::array<bool, 3> readAxes(const YamlReader& yaml) {
+  std::array<bool, 3> axes{{false, false, false}};
+  for (const std::string& axis : yaml.textList("axes")) {
+    if (axis.size() != 1 || axis[0] < 'x' || axis[0] > 'z') yaml.fail("axes", "a list of x, y, z");
+    axes[static_cast<std::size_t>(axis[0] - 'x')] = true;
+  }
+  if (axes == std::array<bool, 3>{{false, false, false}}) yaml.fail("axes", "one axis or more of x, y, z");
+  return axes;
+}
+
+std::vector<EffectorDescription> readEffectors(const YamlReader& yaml) {
+  std::vector<EffectorDescription> effectors;
+  std::set<std::string> names;
+  for (const YamlReader& item : yaml.maps("effectors")) {
+    EffectorDescription effector;
+    effector.name = item.text("name");
+    refuseDuplicate(item, effector.name, names);
+    effector.point = item.vec3("point");
+    if (item.has("axes")) effector.axes = readAxes(item);
+    effector.weight = item.positiveOr("weight", 1.0);
+    item.refuseUnknownKeys();
+    effectors.push_back(effector);
+  }
+  if (effectors.empty()) yaml.fail("effectors", "a list of one effector or more");
+  return effectors;
+}
+
+void readDamping(const YamlReader& yaml, RobotDescription& robot) {
+  if (!yaml.has("damping")) return;
+  const YamlReader damping = yaml.map("damping");
+  robot.damping_mass = damping.numberOr("mass", 0, 0);
+  robot.damping_stiffness = damping.numberOr("stiffness", 0, 0);
+  damping.refuseUnknownKeys();
+}
+
+ControlDescription readControl(const YamlReader& yaml) {
+  ControlDescription control;
+  if (!yaml.has("control")) return control;
+  const YamlReader map = yaml.map("control");
+  control.model = map.choiceOr("model", {"static", "dynamic"}, 0) == 0 ? MotionModel::kStatic : MotionModel::kDynamic;
+  control.newton_steps = map.integerOr("newton_steps", control.newton_steps, 1, 100);
+  control.max_node_step = map.positiveOr("max_node_step", control.max_node_step);
+  control.reach_per_cycle = map.positiveOr("reach_per_cycle", control.reach_per_cycle);
+  control.smoothing = map.numberOr("smoothing", control.smoothing, 0);
+  map.refuseUnknownKeys();
+  return control;
+}
+
+}  // namespace
+
+RobotDescription readRobotDescription(const std::string& path) {
+  const YamlReader yaml = YamlReader::fromFile(path);
+  RobotDescription robot;
+  robot.file = path;
+  robot.name = yaml.text("name");
+  robot.frame = yaml.textOr("frame", robot.name + "_base");
+  if (yaml.has("urdf")) robot.urdf_file = yaml.path("urdf");
+  if (!robot.urdf_file.empty()) readUrdfPose(robot.urdf_file, robot.frame, robot.frame);
+  readMesh(yaml, robot);
+  readGravity(yaml, robot);
+  robot.materials = readMaterials(yaml);
+  robot.fixed = readFixedNodes(yaml);
+  robot.cables = readCables(yaml);
+  robot.effectors = readEffectors(yaml);
+  readDamping(yaml, robot);
+  robot.control = readControl(yaml);
+  yaml.refuseUnknownKeys();
+  return robot;
+}
+
+}  // namespace sinew

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "refusal_log.h"
+#include "ros_conversions.h"
+#include "sinew/common/newest_wins.h"
+
+namespace sinew {
+
+/// Receives `actuator_state` and hands the newest reading to the cycle, and to whoever else asks.
+class ActuatorInbox {
+ public:
+  ActuatorInbox(ros::NodeHandle node, std::shared_ptr<const RobotModel> robot);
+
+  /// The cycle's end of the exchange.
+  NewestWins<ActuatorReading>& newest() { return newest_; }
+
+  /// A copy for threads that may wait.
+  ActuatorReading latest() const;
+  /// Why the driver is in its state, in its own words.
+  std::string driverReason() const;
+
+  const std::string& topic() const { return topic_; }
+  const RefusalLog& refusals() const { return refusals_; }
+
+ private:
+  void onState(const ActuatorState& message);
+
+  std::shared_ptr<const RobotModel> robot_;
+  mutable std::mutex mutex_;
+  ActuatorReading reading_;  // under mutex_
+  std::string reason_;       // under mutex_
+  NewestWins<ActuatorReading> newest_;
+  RefusalLog refusals_;
+  std::string topic_;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,96 @@
+#include "body_publisher.h"
+
+#include <algorithm>
+#include <cerrno>
+
+#include "sinew/constraint/cable.h"
+#include "sinew/robot/robot_description.h"
+
+namespace sinew {
+
+BodyPublisher::Snapshot BodyPublisher::makeSnapshot(const RobotModel& robot) {
+  Snapshot snapshot;
+  snapshot.nodes.resize(robot.surface().nodes.size());
+  for (const CableDescription& cable : robot.description().cables) {
+    snapshot.cables.emplace_back();
+    snapshot.cables.back().reserve(cable.via_points.size() + 1);
+  }
+  snapshot.effort = VecX::Zero(robot.actuatorCount());
+  snapshot.effectors = VecX::Zero(3 * robot.effectorCount());
+  return snapshot;
+}
+
+BodyPublisher::BodyPublisher(ros::NodeHandle node, std::shared_ptr<const RobotModel> robot)
+    : robot_(std::move(robot)),
+      newest_(makeSnapshot(*robot_)),
+      message_(makeBodyMessage(*robot_)),
+      publisher_(node.advertise<BodyState>("body_state", 1)) {
+  for (const EffectorDescription& effector : robot_->description().effectors) {
+    geometry_msgs::TransformStamped frame;
+    frame.header.frame_id = robot_->description().frame;
+    frame.child_frame_id = "effector_" + effector.name;
+    frame.transform.rotation.w = 1;
+    frames_.push_back(frame);
+  }
+  sem_init(&handed_, 0, 0);
+  thread_ = std::thread(&BodyPublisher::run, this);
+}
+
+BodyPublisher::~BodyPublisher() {
+  stop_ = true;
+  sem_post(&handed_);
+  thread_.join();
+  sem_destroy(&handed_);
+}
+
+void BodyPublisher::hand(const InverseController& controller, const CycleOutput& output, const ros::Time& stamp) {
+  Snapshot& snapshot = newest_.back();
+  snapshot.stamp = stamp;
+  const std::vector<int>& surface = robot_->surface().nodes;
+  const std::vector<Vec3>& nodes = controller.nodes();
+  for (std::size_t i = 0; i < surface.size(); ++i) snapshot.nodes[i] = nodes[static_cast<std::size_t>(surface[i])];
+  for (std::size_t i = 0; i < snapshot.cables.size(); ++i) {
+    controller.calcCablePoints(static_cast<int>(i), snapshot.cables[i]);
+  }
+  snapshot.effort = output.effort;
+  snapshot.effectors = output.effectors;
+  newest_.publish();
+  sem_post(&handed_);
+}
+
+void BodyPublisher::run() {
+  while (!stop_) {
+    if (sem_wait(&handed_) != 0 && errno == EINTR) continue;
+    if (!newest_.update()) continue;
+    publishBody(newest_.front());
+    publishFrames(newest_.front());
+  }
+}
+
+void BodyPublisher::publishBody(const Snapshot& snapshot) {
+  if (publisher_.getNumSubscribers() == 0) return;
+  message_.header.stamp = snapshot.stamp;
+  std::transform(snapshot.nodes.begin(), snapshot.nodes.end(), message_.vertices.begin(), toPoint32);
+  message_.cable_points.clear();
+  for (std::size_t i = 0; i < snapshot.cables.size(); ++i) {
+    message_.cable_size[i] = static_cast<std::uint32_t>(snapshot.cables[i].size());
+    message_.cable_tension[i] = snapshot.effort[static_cast<Eigen::Index>(i)];
+    for (const Vec3& point : snapshot.cables[i]) message_.cable_points.push_back(toPoint32(point));
+  }
+  publisher_.publish(message_);
+}
+
+// A frame is sent once for a stamp: while the clock is paused there is nothing new to say.
+void BodyPublisher::publishFrames(const Snapshot& snapshot) {
+  if (frames_.empty() || frames_.front().header.stamp == snapshot.stamp) return;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    const Vec3 position = snapshot.effectors.segment<3>(3 * static_cast<Eigen::Index>(i));
+    frames_[i].header.stamp = snapshot.stamp;
+    frames_[i].transform.translation.x = position.x();
+    frames_[i].transform.translation.y = position.y();
+    frames_[i].transform.translation.z = position.z();
+  }
+  broadcaster_.sendTransform(frames_);
+}
+
+}  // namespace sinew

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace sinew {
+
+/// s on the steady clock (CLOCK_MONOTONIC): the clock of every age and every period.
+double steadyNow();
+
+/// Priorities of a node's threads: a cycle thread stands above the threads that roscpp starts.
+constexpr int kCyclePriority = 80;
+constexpr int kRosPriority = 60;
+
+/// Locks the process's memory and gives the calling thread SCHED_FIFO, which the threads it starts inherit: called
+/// before ros::init, the threads of roscpp keep up with the cycle as well. Returns what was not allowed, in words;
+/// empty when all was.
+std::string requestRealTime(int priority = kRosPriority);
+
+/// Moves the calling thread to `priority` when it runs under SCHED_FIFO already; otherwise leaves it alone.
+void raisePriority(int priority);
+
+/// Wakes its thread once a period by absolute times of the steady clock, so that lateness never adds up.
+class PeriodicWakeUp {
+ public:
+  explicit PeriodicWakeUp(double period);
+
+  /// Sleeps until the next period begins. Periods that have passed already are left out, never made up for in a burst.
+  void wait();
+
+  double period() const { return static_cast<double>(period_) * 1e-9; }   ///< s
+  double scheduled() const { return static_cast<double>(next_) * 1e-9; }  ///< s, steady: when the present period began
+  std::uint64_t skipped() const { return skipped_; }                      ///< 1, periods left out since the start
+
+ private:
+  std::int64_t period_;  // ns
+  std::int64_t next_;    // ns, steady
+  std::uint64_t skipped_ = 0;
+};
+
+}  // namespace sinew

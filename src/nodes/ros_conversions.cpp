@@ -1,0 +1,276 @@
+#include "ros_conversions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sinew/robot/robot_description.h"
+
+namespace sinew {
+
+namespace {
+
+constexpr std::array<const char*, kStages> kStageNames = {"assembly", "factor", "compliance", "qp", "advance", "cycle"};
+
+std::string quote(const std::string& name) {
+  return "'" + name + "'";
+}
+
+/// Index of every name, each known and each at most once.
+template <typename Find>
+std::optional<Refusal> checkNames(const std::vector<std::string>& names, const char* noun, Find find,
+                                  std::vector<int>& indices) {
+  indices.clear();
+  for (const std::string& name : names) {
+    const int index = find(name);
+    if (index < 0)
+      return Refusal{RefusalReason::kUnknownName, "the robot has no " + std::string(noun) + " " + quote(name)};
+    if (std::find(indices.begin(), indices.end(), index) != indices.end()) {
+      return Refusal{RefusalReason::kDuplicateName, std::string(noun) + " " + quote(name) + " is named twice"};
+    }
+    indices.push_back(index);
+  }
+  return std::nullopt;
+}
+
+bool isFinite(const geometry_msgs::Point& point) {
+  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+}
+
+std::optional<Refusal> checkSizes(const ActuatorState& message, std::size_t count) {
+  const std::array<std::size_t, 5> sizes = {message.name.size(), message.mode.size(), message.measured.size(),
+                                            message.applied.size(), message.zero_valid.size()};
+  const bool fits = std::all_of(sizes.begin(), sizes.end(), [count](std::size_t size) { return size == count; });
+  if (fits && message.measured_valid.size() == count) return std::nullopt;
+  return Refusal{RefusalReason::kWrongSize, "the driver's state needs " + std::to_string(count) +
+                                                " entries in every list, one per actuator of the robot"};
+}
+
+double calcControlledDistance(const EffectorDescription& effector, const Vec3& difference) {
+  Vec3 controlled = difference;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!effector.axes[static_cast<std::size_t>(axis)]) controlled[axis] = 0;
+  }
+  return controlled.norm();
+}
+
+std::uint8_t toStatus(CycleStatus status) {
+  switch (status) {
+    case CycleStatus::kSolved:
+      return ActuatorCommand::OK;
+    case CycleStatus::kDegraded:
+      return ActuatorCommand::DEGRADED;
+    case CycleStatus::kHeld:
+      return ActuatorCommand::HELD;
+  }
+  return ActuatorCommand::HELD;
+}
+
+}  // namespace
+
+const char* nameOf(RefusalReason reason) {
+  constexpr std::array<const char*, kRefusalReasons> kNames = {
+      "wrong_size", "unknown_name", "duplicate_name", "not_finite", "unknown_frame", "stamp", "jump", "mode"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+geometry_msgs::Point toPoint(const Vec3& position) {
+  geometry_msgs::Point point;
+  point.x = position.x();
+  point.y = position.y();
+  point.z = position.z();
+  return point;
+}
+
+geometry_msgs::Point32 toPoint32(const Vec3& position) {
+  geometry_msgs::Point32 point;
+  point.x = static_cast<float>(position.x());
+  point.y = static_cast<float>(position.y());
+  point.z = static_cast<float>(position.z());
+  return point;
+}
+
+Vec3 toVec3(const geometry_msgs::Point& point) {
+  return Vec3(point.x, point.y, point.z);
+}
+
+ActuatorReading makeReading(const RobotModel& robot) {
+  ActuatorReading reading;
+  reading.measured = VecX::Zero(robot.actuatorCount());
+  reading.applied = VecX::Zero(robot.actuatorCount());
+  return reading;
+}
+
+std::optional<Refusal> updateReading(const ActuatorState& message, const RobotModel& robot, ActuatorReading& reading) {
+  const auto count = static_cast<std::size_t>(robot.actuatorCount());
+  if (auto refusal = checkSizes(message, count)) return refusal;
+  std::vector<int> indices;
+  const auto find = [&robot](const std::string& name) { return robot.findActuator(name); };
+  if (auto refusal = checkNames(message.name, "actuator", find, indices)) return refusal;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (message.mode[i] != ActuatorCommand::DISPLACEMENT) {
+      return Refusal{RefusalReason::kMode, "the driver reports no displacement for actuator " + quote(message.name[i])};
+    }
+    if (!std::isfinite(message.measured[i]) || !std::isfinite(message.applied[i])) {
+      return Refusal{RefusalReason::kNotFinite,
+                     "the driver's value for actuator " + quote(message.name[i]) + " is not finite"};
+    }
+  }
+  reading.all_measured = true;
+  reading.all_zeroed = true;
+  for (std::size_t i = 0; i < count; ++i) {
+    reading.measured[indices[i]] = message.measured[i];
+    reading.applied[indices[i]] = message.applied[i];
+    reading.all_measured = reading.all_measured && message.measured_valid[i];
+    reading.all_zeroed = reading.all_zeroed && message.zero_valid[i];
+  }
+  reading.driver_state = message.driver_state;
+  reading.session = message.session;
+  reading.sequence = message.sequence;
+  reading.source = {message.header.stamp, message.header.seq};
+  return std::nullopt;
+}
+
+std::optional<Refusal> checkTargets(const EffectorTargets& message, const RobotModel& robot,
+                                    std::vector<int>& effectors) {
+  if (message.name.empty() || message.name.size() != message.pose.size()) {
+    return Refusal{RefusalReason::kWrongSize, std::to_string(message.name.size()) + " effector names with " +
+                                                  std::to_string(message.pose.size()) +
+                                                  " poses; it takes one pose per name and at least one"};
+  }
+  const auto find = [&robot](const std::string& name) { return robot.findEffector(name); };
+  if (auto refusal = checkNames(message.name, "effector", find, effectors)) return refusal;
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    if (!isFinite(message.pose[i].position)) {
+      return Refusal{RefusalReason::kNotFinite, "the target of effector " + quote(message.name[i]) + " is not finite"};
+    }
+  }
+  return std::nullopt;
+}
+
+const char* nameOfDriverState(std::uint8_t state) {
+  constexpr std::array<const char*, 7> kNames = {"OFF", "INITIALISING", "READY", "ACTIVE", "HOLDING", "SAFE", "FAULT"};
+  return state < kNames.size() ? kNames[state] : "unknown";
+}
+
+void calcStageDurations(const StageTimes& times, double cycle, double* durations) {
+  const std::array<double, kStages> values = {times.assembly, times.factor,  times.compliance,
+                                              times.qp,       times.advance, cycle};
+  std::copy(values.begin(), values.end(), durations);
+}
+
+ActuatorCommand makeCommandMessage(const RobotModel& robot) {
+  ActuatorCommand message;
+  message.header.frame_id = robot.description().frame;
+  for (const CableDescription& cable : robot.description().cables) message.name.push_back(cable.name);
+  message.mode.assign(message.name.size(), ActuatorCommand::DISPLACEMENT);
+  message.value.assign(message.name.size(), 0.0);
+  return message;
+}
+
+ControllerState makeStateMessage(const RobotModel& robot) {
+  ControllerState message;
+  message.header.frame_id = robot.description().frame;
+  for (const EffectorDescription& effector : robot.description().effectors) {
+    EffectorState state;
+    state.name = effector.name;
+    message.effectors.push_back(state);
+  }
+  for (const CableDescription& cable : robot.description().cables) message.actuator.push_back(cable.name);
+  message.displacement.assign(message.actuator.size(), 0.0);
+  message.effort.assign(message.actuator.size(), 0.0);
+  message.limits.reserve(6 * message.actuator.size());
+  message.inputs.reserve(message.effectors.size() + 1);
+  message.stages.resize(kStages);
+  for (std::size_t stage = 0; stage < kStageNames.size(); ++stage) message.stages[stage].stage = kStageNames[stage];
+  message.reason.reserve(128);
+  return message;
+}
+
+BodyState makeBodyMessage(const RobotModel& robot) {
+  BodyState message;
+  message.header.frame_id = robot.description().frame;
+  const Surface& surface = robot.surface();
+  std::vector<std::uint32_t> vertex_of_node(robot.mesh().nodes.size(), 0);
+  for (std::size_t vertex = 0; vertex < surface.nodes.size(); ++vertex) {
+    vertex_of_node[static_cast<std::size_t>(surface.nodes[vertex])] = static_cast<std::uint32_t>(vertex);
+  }
+  message.vertices.resize(surface.nodes.size());
+  for (const std::array<int, 3>& triangle : surface.triangles) {
+    for (const int node : triangle) message.triangles.push_back(vertex_of_node[static_cast<std::size_t>(node)]);
+  }
+  for (const CableDescription& cable : robot.description().cables) {
+    message.cable.push_back(cable.name);
+    message.cable_tension_max.push_back(cable.tension.max);
+  }
+  message.cable_size.assign(message.cable.size(), 0);
+  message.cable_tension.assign(message.cable.size(), 0.0);
+  return message;
+}
+
+void updateCommandMessage(const CycleOutput& output, ActuatorCommand& message) {
+  message.status = toStatus(output.status);
+  for (std::size_t i = 0; i < message.value.size(); ++i) {
+    message.value[i] = output.displacement[static_cast<Eigen::Index>(i)];
+  }
+}
+
+void updateStateMessage(const RobotModel& robot, const CycleInput& input, const CycleOutput& output,
+                        ControllerState& message) {
+  for (std::size_t i = 0; i < message.effectors.size(); ++i) {
+    const auto row = 3 * static_cast<Eigen::Index>(i);
+    EffectorState& effector = message.effectors[i];
+    const Vec3 position = output.effectors.segment<3>(row);
+    const Vec3 target = input.targeted[i] ? Vec3(input.targets.segment<3>(row)) : position;
+    effector.targeted = input.targeted[i];
+    effector.target = toPoint(target);
+    effector.position = toPoint(position);
+    effector.error = calcControlledDistance(robot.description().effectors[i], target - position);
+  }
+  for (std::size_t i = 0; i < message.actuator.size(); ++i) {
+    message.displacement[i] = output.displacement[static_cast<Eigen::Index>(i)];
+    message.effort[i] = output.effort[static_cast<Eigen::Index>(i)];
+  }
+  message.effector_error = output.effector_error;
+  message.goal_scale = output.goal_scale;
+  message.residual = output.residual;
+  message.residual_relative = output.residual_relative;
+  message.limits.resize(output.limits.size());
+  for (std::size_t i = 0; i < output.limits.size(); ++i) {
+    const ActiveLimitReport& report = output.limits[i];
+    message.limits[i].actuator = message.actuator[static_cast<std::size_t>(report.actuator)];
+    message.limits[i].kind = static_cast<std::uint8_t>(report.kind);
+    message.limits[i].value = report.value;
+    message.limits[i].violation = report.violation;
+  }
+  message.qp_iterations = static_cast<std::uint32_t>(output.qp_iterations);
+  message.qp_status = static_cast<std::uint8_t>(output.qp_status);
+  message.newton_steps = static_cast<std::uint32_t>(output.newton_steps);
+}
+
+void updateStageMessages(const StageStatistics& statistics, std::vector<StageTime>& stages) {
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const int stage = static_cast<int>(i);
+    stages[i].last = statistics.last(stage);
+    stages[i].median = statistics.median(stage);
+    stages[i].maximum = statistics.maximum(stage);
+  }
+}
+
+const char* describe(const CycleOutput& output) {
+  if (output.status == CycleStatus::kSolved) return "";
+  if (output.status == CycleStatus::kDegraded) return "an effort limit gave way: see limits";
+  switch (output.reason) {
+    case HoldReason::kNotFinite:
+      return "held: the model came to a value that is not finite";
+    case HoldReason::kNotPositiveDefinite:
+      return "held: the stiffness matrix is not positive definite";
+    case HoldReason::kQpFailed:
+      return "held: the quadratic program found no answer";
+    case HoldReason::kNone:
+      break;
+  }
+  return "held";
+}
+
+}  // namespace sinew

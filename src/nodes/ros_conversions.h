@@ -1,0 +1,76 @@
+#pragma once
+
+#include <geometry_msgs/Point.h>
+#include <geometry_msgs/Point32.h>
+#include <ros/time.h>
+#include <sinew/ActuatorCommand.h>
+#include <sinew/ActuatorState.h>
+#include <sinew/BodyState.h>
+#include <sinew/ControllerState.h>
+#include <sinew/EffectorTargets.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "refusal_log.h"
+#include "sinew/inverse/inverse_controller.h"
+#include "stage_statistics.h"
+
+namespace sinew {
+
+/// Where messages become values of the core and back. Whatever comes from a wire is checked here, whole or not at all.
+
+geometry_msgs::Point toPoint(const Vec3& position);
+geometry_msgs::Point32 toPoint32(const Vec3& position);
+Vec3 toVec3(const geometry_msgs::Point& point);
+
+/// Which message a value came from.
+struct MessageStamp {
+  ros::Time stamp;
+  std::uint32_t sequence = 0;
+};
+
+/// What the driver says of the actuators, in the order of the robot's description.
+struct ActuatorReading {
+  VecX measured;              ///< m
+  VecX applied;               ///< m
+  bool all_measured = false;  ///< the last read of every actuator succeeded
+  bool all_zeroed = false;    ///< every actuator knows its zero
+  std::uint8_t driver_state = ActuatorState::OFF;
+  std::uint32_t session = 0;
+  std::uint32_t sequence = 0;  ///< of the last command accepted
+  MessageStamp source;
+  double receipt = -1;  ///< s, steady; negative before the first
+};
+
+ActuatorReading makeReading(const RobotModel& robot);
+
+/// Fills `reading`, except for its receipt, or says why the message is refused.
+std::optional<Refusal> updateReading(const ActuatorState& message, const RobotModel& robot, ActuatorReading& reading);
+
+/// Sizes, names and finite numbers. `effectors` becomes the index of each name.
+std::optional<Refusal> checkTargets(const EffectorTargets& message, const RobotModel& robot,
+                                    std::vector<int>& effectors);
+
+/// One word for a driver state of ActuatorState: `HOLDING`.
+const char* nameOfDriverState(std::uint8_t state);
+
+/// The stages of ControllerState, in the order of `calcStageDurations`.
+constexpr int kStages = 6;
+void calcStageDurations(const StageTimes& times, double cycle, double* durations);
+
+ActuatorCommand makeCommandMessage(const RobotModel& robot);
+ControllerState makeStateMessage(const RobotModel& robot);
+BodyState makeBodyMessage(const RobotModel& robot);
+
+void updateCommandMessage(const CycleOutput& output, ActuatorCommand& message);
+void updateStateMessage(const RobotModel& robot, const CycleInput& input, const CycleOutput& output,
+                        ControllerState& message);
+void updateStageMessages(const StageStatistics& statistics, std::vector<StageTime>& stages);
+
+/// Why a cycle was held or degraded, in words.
+const char* describe(const CycleOutput& output);
+
+}  // namespace sinew

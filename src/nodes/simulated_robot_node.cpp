@@ -1,0 +1,251 @@
+// Stands in for the robot: servos on a pseudo-terminal, a body of finite elements that they pull at, and a tracker.
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <geometry_msgs/PoseStamped.h>
+#include <ros/ros.h>
+#include <sinew/BodyState.h>
+#include <sinew/EffectorTargets.h>
+#include <sinew/InjectFault.h>
+
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "parameters.h"
+#include "real_time.h"
+#include "ros_conversions.h"
+#include "simulated_robot_node_faults.h"
+#include "simulated_robot_node_load.h"
+#include "simulated_robot_node_plant.h"
+#include "simulated_robot_node_settings.h"
+#include "simulated_robot_node_tracker.h"
+#include "simulated_robot_node_winches.h"
+#include "sinew/hardware/pseudo_terminal.h"
+#include "sinew/hardware/simulated_servo_bus.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kServoPeriod = 0.002;  // s
+
+geometry_msgs::Pose makePose(const VecX& effectors, size_t effector) {
+  geometry_msgs::Pose pose;
+  pose.position = toPoint(effectors.segment<3>(3 * static_cast<Eigen::Index>(effector)));
+  pose.orientation.w = 1;
+  return pose;
+}
+
+class SimulatedRobotNode {
+ public:
+  SimulatedRobotNode(ros::NodeHandle node, ros::NodeHandle private_node, const SimulatedRobotSettings& settings)
+      : settings_(settings),
+        plant_(settings.robot, settings.deviations),
+        bus_(settings.ids(), settings.baud),
+        faults_(bus_, settings.actuators(), settings.line, [this](double duration) { disconnect(duration); }),
+        tracker_(settings.tracker),
+        node_(node),
+        diagnostics_(node, private_node) {
+    plant_.settle();
+    advertise(private_node);
+    connect();
+    servo_thread_ = std::thread([this] { moveServos(); });
+    body_thread_ = std::thread([this] { moveBody(); });
+  }
+
+  ~SimulatedRobotNode() {
+    running_ = false;
+    body_thread_.join();
+    servo_thread_.join();
+    bus_.stop();
+  }
+
+ private:
+  void advertise(ros::NodeHandle& private_node) {
+    const RobotDescription& description = plant_.robot().description();
+    effectors_message_.header.frame_id = description.frame;
+    for (const EffectorDescription& effector : description.effectors) {
+      effectors_message_.name.push_back(effector.name);
+      tracked_.push_back(node_.advertise<geometry_msgs::PoseStamped>("tracker/" + effector.name, 10));
+    }
+    effectors_message_.pose.resize(effectors_message_.name.size());
+    effectors_ = node_.advertise<EffectorTargets>("plant/effectors", 10);
+    body_message_ = makeBodyMessage(plant_.robot());
+    body_ = node_.advertise<BodyState>("plant/body_state", 2);
+    inject_ = private_node.advertiseService("inject", &SimulatedRobotNode::onInject, this);
+    diagnostics_.setHardwareID("simulated");
+    diagnostics_.add("simulated robot", this, &SimulatedRobotNode::diagnose);
+    diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) {
+      diagnostics_.update();  // once a second at most
+    });
+  }
+
+  void connect() {
+    terminal_ = std::make_unique<PseudoTerminal>(settings_.port_link);
+    bus_.start(*terminal_);
+    ROS_INFO("servos answer at %s", settings_.port_link.empty() ? terminal_->path().c_str()
+                                                                : settings_.port_link.c_str());
+  }
+
+  void disconnect(double duration) {
+    bus_.stop();
+    terminal_.reset();
+    reconnect_timer_ = node_.createWallTimer(
+        ros::WallDuration(duration), [this](const ros::WallTimerEvent&) { reconnect(); }, true);
+  }
+
+  void reconnect() {
+    try {
+      connect();
+    } catch (const std::exception& error) {
+      ROS_ERROR("the line stays away: %s", error.what());
+    }
+  }
+
+  bool onInject(InjectFault::Request& request, InjectFault::Response& response) {
+    const FaultDesk::Answer answer = faults_.inject(request.fault, request.actuator, request.value);
+    response.success = answer.success;
+    response.message = answer.message;
+    if (answer.success) ROS_INFO("injected: %s", answer.message.c_str());
+    return true;
+  }
+
+  void moveServos() {
+    PeriodicWakeUp wake_up(kServoPeriod);
+    double moved_until = steadyNow();
+    while (running_) {
+      wake_up.wait();
+      const double now = steadyNow();
+      bus_.step(now - moved_until);
+      moved_until = now;
+      servo_load_.update();
+    }
+  }
+
+  void moveBody() {
+    PeriodicWakeUp wake_up(1 / settings_.plant_rate);
+    VecX reeled_in = VecX::Zero(bus_.size());
+    const int steps_per_display = std::max(1, static_cast<int>(std::lround(settings_.plant_rate / settings_.display_rate)));
+    for (int step = 0; running_; ++step) {
+      wake_up.wait();
+      const ros::Time stamp = ros::Time::now();
+      const double time = steadyNow();
+      calcReeledIn(bus_, settings_.winches, reeled_in);
+      plant_.step(reeled_in, wake_up.period());
+      applyTension(plant_.simulator().effort(), settings_.winches, bus_);
+      track(stamp, time);
+      publishEffectors(stamp);
+      if (step % steps_per_display == 0) publishBody(stamp);
+      skipped_steps_ = wake_up.skipped();
+      failed_steps_ = plant_.failedSteps();
+      residual_ = plant_.simulator().residualRelative();
+      step_time_ = steadyNow() - time;
+      body_load_.update();
+    }
+  }
+
+  void track(ros::Time stamp, double time) {
+    tracker_.look(time, plant_.simulator().effectors());
+    SimulatedTracker::Sample sample;
+    while (tracker_.take(time, sample)) {
+      geometry_msgs::PoseStamped message;
+      message.header.frame_id = effectors_message_.header.frame_id;
+      message.header.stamp = stamp - ros::Duration(time - sample.time);
+      for (size_t effector = 0; effector < tracked_.size(); ++effector) {
+        message.pose = makePose(sample.effectors, effector);
+        tracked_[effector].publish(message);
+      }
+    }
+  }
+
+  void publishEffectors(ros::Time stamp) {
+    effectors_message_.header.stamp = stamp;
+    for (size_t effector = 0; effector < effectors_message_.pose.size(); ++effector) {
+      effectors_message_.pose[effector] = makePose(plant_.simulator().effectors(), effector);
+    }
+    effectors_.publish(effectors_message_);
+  }
+
+  void publishBody(ros::Time stamp) {
+    if (body_.getNumSubscribers() == 0) return;
+    const ForwardSimulator& simulator = plant_.simulator();
+    const Surface& surface = plant_.robot().surface();
+    body_message_.header.stamp = stamp;
+    for (size_t vertex = 0; vertex < surface.nodes.size(); ++vertex) {
+      body_message_.vertices[vertex] = toPoint32(simulator.nodes()[static_cast<size_t>(surface.nodes[vertex])]);
+    }
+    body_message_.cable_points.clear();
+    for (int cable = 0; cable < plant_.robot().actuatorCount(); ++cable) {
+      simulator.calcCablePoints(cable, cable_points_);
+      const auto i = static_cast<size_t>(cable);
+      body_message_.cable_size[i] = static_cast<uint32_t>(cable_points_.size());
+      body_message_.cable_tension[i] = simulator.effort()[cable];
+      for (const Vec3& point : cable_points_) body_message_.cable_points.push_back(toPoint32(point));
+    }
+    body_.publish(body_message_);
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    const double body_share = body_load_.takeShare();
+    if (failed_steps_ > 0) {
+      status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "steps of the body have failed");
+    } else if (body_share > 0.9) {
+      status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "the body is too large for its rate");
+    } else {
+      status.summary(diagnostic_msgs::DiagnosticStatus::OK, terminal_ ? "running" : "running, line away");
+    }
+    status.addf("body rate [Hz]", "%.1f", settings_.plant_rate);
+    status.addf("body step [ms]", "%.2f", 1e3 * step_time_);
+    status.addf("body share of a core [%]", "%.1f", 1e2 * body_share);
+    status.addf("servos share of a core [%]", "%.1f", 1e2 * servo_load_.takeShare());
+    status.add("body steps failed", failed_steps_.load());
+    status.add("body steps skipped", skipped_steps_.load());
+    status.addf("body residual [1]", "%.2e", residual_.load());
+    const LineFaultCounts line = faults_.lineCounts();
+    status.add("line packets sent", line.sent);
+    status.add("line packets corrupted", line.corrupted);
+    status.add("line packets dropped", line.dropped);
+    status.add("line packets delayed", line.delayed);
+    for (const auto& [fault, count] : faults_.counts()) status.add("injected " + fault, count);
+  }
+
+  const SimulatedRobotSettings settings_;
+  SimulatedPlant plant_;  // body thread
+  SimulatedServoBus bus_;
+  FaultDesk faults_;
+  SimulatedTracker tracker_;  // body thread
+  std::unique_ptr<PseudoTerminal> terminal_;
+
+  ros::NodeHandle node_;
+  diagnostic_updater::Updater diagnostics_;
+  std::vector<ros::Publisher> tracked_;
+  ros::Publisher effectors_, body_;
+  ros::ServiceServer inject_;
+  ros::WallTimer diagnostics_timer_, reconnect_timer_;
+  EffectorTargets effectors_message_;
+  BodyState body_message_;
+  std::vector<Vec3> cable_points_;
+
+  std::atomic<bool> running_{true};
+  std::atomic<std::uint64_t> skipped_steps_{0}, failed_steps_{0};
+  std::atomic<double> residual_{0}, step_time_{0};
+  ThreadLoad servo_load_, body_load_;
+  std::thread servo_thread_, body_thread_;
+};
+
+}  // namespace
+}  // namespace sinew
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "simulated_robot");
+  try {
+    const ros::NodeHandle private_node("~");
+    sinew::SimulatedRobotNode node(ros::NodeHandle(), private_node, sinew::readSimulatedRobotSettings(private_node));
+    ros::spin();
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+}

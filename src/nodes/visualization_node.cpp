@@ -1,0 +1,202 @@
+// Draws the body, its cables, the effectors and the limits reached, and lets the user drag the targets.
+
+#include <ros/ros.h>
+#include <sinew/BodyState.h>
+#include <sinew/ControllerState.h>
+#include <sinew/EffectorTargets.h>
+#include <tf2_eigen/tf2_eigen.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <exception>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "parameters.h"
+#include "visualization_node_drawing.h"
+#include "visualization_node_handles.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kStale = 1.0;           // s after which a message is drawn no more
+constexpr double kTrailSpacing = 0.02;   // s between two points of a trail
+constexpr double kHandleSize = 0.22;     // of the body's extent
+constexpr double kTrailWidth = 0.004;    // of the body's extent
+constexpr double kDefaultReach = 0.45;   // radius of the default workspace, of the body's extent
+
+const Colour kSilicone(0.86, 0.78, 0.66, 0.55);
+const Colour kSiliconeEdges(0.35, 0.28, 0.22, 0.30);
+const Colour kPlant(0.45, 0.60, 0.85, 0.22);
+const Colour kTrailColour(0.10, 0.75, 0.35, 1.0);
+const Colour kTargetTrailColour(0.98, 0.55, 0.05, 0.45);
+
+struct Settings {
+  double rate;            // Hz
+  double trail_duration;  // s
+  std::string world_frame;
+  bool interactive;
+  Workspace workspace;
+  bool workspace_given;
+};
+
+Settings readSettings(const Parameters& parameters) {
+  Settings settings;
+  settings.rate = parameters.numberOr("rate", 30, 1, 200);
+  settings.trail_duration = parameters.numberOr("trail_duration", 6, 0.1, 600);
+  settings.world_frame = parameters.textOr("world_frame", "world");
+  settings.interactive = parameters.flagOr("interactive", true);
+  Workspace& workspace = settings.workspace;
+  settings.workspace_given = parameters.has("workspace/min") || parameters.has("workspace/max") ||
+                             parameters.has("workspace/radius") || parameters.has("workspace/centre");
+  workspace.box.min() = parameters.vec3Or("workspace/min", workspace.box.min());
+  workspace.box.max() = parameters.vec3Or("workspace/max", workspace.box.max());
+  if (workspace.box.isEmpty()) parameters.fail("workspace/max", "a corner below workspace/min", "the upper corner [m]");
+  workspace.radius = parameters.numberOr("workspace/radius", workspace.radius, 0);
+  workspace.centre = parameters.vec3Or("workspace/centre", Vec3::Zero());
+  if (!workspace.box.contains(workspace.centre) && workspace.radius < Workspace::kUnbounded) {
+    parameters.fail("workspace/centre", "a point outside the box", "a point of the box [m]");
+  }
+  return settings;
+}
+
+class VisualizationNode {
+ public:
+  VisualizationNode(ros::NodeHandle node, const Settings& settings)
+      : settings_(settings),
+        listener_(transforms_),
+        handles_(makeHandles(node)),
+        markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 2)),
+        body_subscriber_(node.subscribe("body_state", 2, &VisualizationNode::onBody, this)),
+        plant_subscriber_(node.subscribe("plant/body_state", 2, &VisualizationNode::onPlant, this)),
+        controller_subscriber_(node.subscribe("controller_state", 10, &VisualizationNode::onController, this)),
+        timer_(node.createWallTimer(ros::WallDuration(1 / settings.rate), &VisualizationNode::draw, this)) {}
+
+ private:
+  template <typename Message>
+  struct Newest {
+    typename Message::ConstPtr message;
+    ros::SteadyTime arrival;
+
+    void set(const typename Message::ConstPtr& newest) {
+      message = newest;
+      arrival = ros::SteadyTime::now();
+    }
+    bool fresh() const { return message && (ros::SteadyTime::now() - arrival).toSec() < kStale; }
+  };
+
+  struct Trails {
+    Trail effector, target;
+    ros::Time last;
+  };
+
+  std::unique_ptr<TargetHandles> makeHandles(ros::NodeHandle& node) const {
+    if (!settings_.interactive) return nullptr;
+    return std::make_unique<TargetHandles>(node.resolveName("target_handles"),
+                                           node.advertise<EffectorTargets>("targets", 10), transforms_);
+  }
+
+  void onBody(const BodyState::ConstPtr& message) {
+    if (accept(*message, "body_state")) body_.set(message);
+  }
+
+  void onPlant(const BodyState::ConstPtr& message) {
+    if (accept(*message, "plant/body_state")) plant_.set(message);
+  }
+
+  bool accept(const BodyState& body, const char* topic) {
+    const bool good = isConsistent(body);
+    if (!good) ROS_WARN_THROTTLE(5, "%s is not drawn: its sizes do not fit together or its frame is empty", topic);
+    if (good && extent_ == 0) extent_ = calcExtent(body);
+    return good;
+  }
+
+  void onController(const ControllerState::ConstPtr& message) {
+    if (message->header.frame_id.empty()) return;
+    controller_.set(message);
+    for (const EffectorState& effector : message->effectors) addToTrails(*message, effector);
+  }
+
+  void addToTrails(const ControllerState& state, const EffectorState& effector) {
+    const Trails fresh{Trail(settings_.trail_duration, kTrailColour),
+                       Trail(settings_.trail_duration, kTargetTrailColour), ros::Time()};
+    Trails& trails = trails_.emplace(effector.name, fresh).first->second;
+    const ros::Time stamp = state.header.stamp;
+    if (stamp >= trails.last && stamp < trails.last + ros::Duration(kTrailSpacing)) return;
+    trails.last = stamp;
+    trails.effector.add(stamp, Vec3(effector.position.x, effector.position.y, effector.position.z));
+    if (state.status == ControllerState::DISABLED || !effector.targeted) return;
+    trails.target.add(stamp, Vec3(effector.target.x, effector.target.y, effector.target.z));
+  }
+
+  Light calcLight(const std::string& frame) const {
+    try {
+      const auto transform = transforms_.lookupTransform(settings_.world_frame, frame, ros::Time(0));
+      return Light().seenFrom(tf2::transformToEigen(transform).linear());
+    } catch (const tf2::TransformException&) {
+      return Light();
+    }
+  }
+
+  void draw(const ros::WallTimerEvent&) {
+    if (handles_ && controller_.fresh() && extent_ > 0) updateHandles(*controller_.message);
+    if (markers_.getNumSubscribers() == 0) return;
+    visualization_msgs::MarkerArray markers;
+    if (plant_.fresh()) {
+      const BodyStyle style{"plant_", kPlant, Colour::Zero(), false};
+      addBody(*plant_.message, style, calcLight(plant_.message->header.frame_id), extent_, markers);
+    }
+    if (body_.fresh()) {
+      const BodyStyle style{"", kSilicone, kSiliconeEdges, true};
+      addBody(*body_.message, style, calcLight(body_.message->header.frame_id), extent_, markers);
+    }
+    if (controller_.fresh() && extent_ > 0) drawController(*controller_.message, markers);
+    if (!markers.markers.empty()) markers_.publish(markers);
+  }
+
+  void drawController(const ControllerState& state, visualization_msgs::MarkerArray& markers) const {
+    addEffectors(state, extent_, markers);
+    if (body_.fresh()) addLimits(state, *body_.message, extent_, markers);
+    int id = 0;
+    for (const auto& [name, trails] : trails_) {
+      trails.target.draw(state.header, "target_trails", id, 0.6 * kTrailWidth * extent_, markers);
+      trails.effector.draw(state.header, "effector_trails", id++, kTrailWidth * extent_, markers);
+    }
+  }
+
+  void updateHandles(const ControllerState& state) {
+    if (!settings_.workspace_given && state.status != ControllerState::DISABLED && !state.effectors.empty()) {
+      const auto& start = state.effectors.front().position;
+      settings_.workspace.centre = Vec3(start.x, start.y, start.z);
+      settings_.workspace.radius = kDefaultReach * extent_;
+      settings_.workspace_given = true;
+    }
+    handles_->update(state, settings_.workspace, kHandleSize * extent_);
+  }
+
+  Settings settings_;
+  double extent_ = 0;  ///< m, of the first body seen: sizes strokes and the default workspace
+  tf2_ros::Buffer transforms_;
+  tf2_ros::TransformListener listener_;
+  std::unique_ptr<TargetHandles> handles_;  ///< null unless interactive
+  Newest<BodyState> body_, plant_;
+  Newest<ControllerState> controller_;
+  std::map<std::string, Trails> trails_;  // by effector name
+  ros::Publisher markers_;
+  ros::Subscriber body_subscriber_, plant_subscriber_, controller_subscriber_;
+  ros::WallTimer timer_;
+};
+
+}  // namespace
+}  // namespace sinew
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "visualization");
+  try {
+    sinew::VisualizationNode node(ros::NodeHandle(), sinew::readSettings(sinew::Parameters(ros::NodeHandle("~"))));
+    ros::spin();
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return 1;
+  }
+}
