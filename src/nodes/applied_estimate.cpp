@@ -19,6 +19,7 @@ void AppliedEstimate::reset(const VecX& applied) {
 }
 
 void AppliedEstimate::addCommand(std::uint32_t sequence, const VecX& displacement) {
+  if (sent_ == 0) report_sequence_ = sequence - 1;  // where the actuators were before counts as a report
   commands_[sequence % kHistory] = displacement;
   newest_ = sequence;
   ++sent_;
@@ -28,7 +29,7 @@ void AppliedEstimate::addCommand(std::uint32_t sequence, const VecX& displacemen
 void AppliedEstimate::addReport(std::uint32_t sequence, const VecX& applied) {
   if (!knows(sequence)) return;
   const std::uint32_t advance = sequence - report_sequence_;
-  if (!reported_ || advance >= kHistory) {
+  if (advance >= kHistory) {
     speed_.setZero();
   } else if (advance > 0) {
     speed_ = (applied - report_).cwiseAbs() / advance;

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "parameters.h"
+#include "ros_conversions.h"
 #include "visualization_node_drawing.h"
 #include "visualization_node_handles.h"
 
@@ -21,12 +22,12 @@ namespace {
 
 constexpr double kStale = 1.0;           // s after which a message is drawn no more
 constexpr double kTrailSpacing = 0.02;   // s between two points of a trail
-constexpr double kHandleSize = 0.22;     // of the body's extent
+constexpr double kHandleSize = 0.18;     // of the body's extent
 constexpr double kTrailWidth = 0.004;    // of the body's extent
 constexpr double kDefaultReach = 0.45;   // radius of the default workspace, of the body's extent
 
-const Colour kSilicone(0.86, 0.78, 0.66, 0.55);
-const Colour kSiliconeEdges(0.35, 0.28, 0.22, 0.30);
+const Colour kSilicone(0.96, 0.70, 0.55, 0.60);
+const Colour kSiliconeEdges(0.45, 0.22, 0.15, 0.22);
 const Colour kPlant(0.45, 0.60, 0.85, 0.22);
 const Colour kTrailColour(0.10, 0.75, 0.35, 1.0);
 const Colour kTargetTrailColour(0.98, 0.55, 0.05, 0.45);
@@ -124,9 +125,9 @@ class VisualizationNode {
     const ros::Time stamp = state.header.stamp;
     if (stamp >= trails.last && stamp < trails.last + ros::Duration(kTrailSpacing)) return;
     trails.last = stamp;
-    trails.effector.add(stamp, Vec3(effector.position.x, effector.position.y, effector.position.z));
+    trails.effector.add(stamp, toVec3(effector.position));
     if (state.status == ControllerState::DISABLED || !effector.targeted) return;
-    trails.target.add(stamp, Vec3(effector.target.x, effector.target.y, effector.target.z));
+    trails.target.add(stamp, toVec3(effector.target));
   }
 
   Light calcLight(const std::string& frame) const {
@@ -166,8 +167,7 @@ class VisualizationNode {
 
   void updateHandles(const ControllerState& state) {
     if (!settings_.workspace_given && state.status != ControllerState::DISABLED && !state.effectors.empty()) {
-      const auto& start = state.effectors.front().position;
-      settings_.workspace.centre = Vec3(start.x, start.y, start.z);
+      settings_.workspace.centre = toVec3(state.effectors.front().position);
       settings_.workspace.radius = kDefaultReach * extent_;
       settings_.workspace_given = true;
     }

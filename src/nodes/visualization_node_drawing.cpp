@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "ros_conversions.h"
+
 namespace sinew {
 namespace {
 
@@ -41,14 +43,6 @@ std_msgs::ColorRGBA toRgba(const Colour& colour) {
   message.g = static_cast<float>(colour[1]);
   message.b = static_cast<float>(colour[2]);
   message.a = static_cast<float>(colour[3]);
-  return message;
-}
-
-geometry_msgs::Point toPoint(const Vec3& point) {
-  geometry_msgs::Point message;
-  message.x = point.x();
-  message.y = point.y();
-  message.z = point.z();
   return message;
 }
 

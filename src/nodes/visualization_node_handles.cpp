@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "ros_conversions.h"
+
 namespace sinew {
 namespace {
 
@@ -16,13 +18,9 @@ using visualization_msgs::Marker;
 constexpr double kHoldTime = 1.0;       // s since the last sign of a hand in which a handle is not moved by others
 constexpr double kSmallestMove = 1e-4;  // m below which a handle does not follow
 
-Vec3 toVec3(const geometry_msgs::Point& point) { return Vec3(point.x, point.y, point.z); }
-
 geometry_msgs::Pose makePose(const Vec3& position) {
   geometry_msgs::Pose pose;
-  pose.position.x = position.x();
-  pose.position.y = position.y();
-  pose.position.z = position.z();
+  pose.position = toPoint(position);
   pose.orientation.w = 1;
   return pose;
 }

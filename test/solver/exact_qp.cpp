@@ -46,7 +46,8 @@ Program makeProgram(const QpProblem& problem) {
 }  // namespace
 
 ExactAnswer solveExactly(const QpProblem& problem) {
-  const auto solution = CGAL::solve_quadratic_program(makeProgram(problem), CGAL::Gmpzf());
+  const Program program = makeProgram(problem);  // the solution refers to it
+  const auto solution = CGAL::solve_quadratic_program(program, CGAL::Gmpzf());
   if (solution.is_infeasible()) return {QpStatus::kInfeasible, 0};
   if (solution.is_unbounded()) return {QpStatus::kUnbounded, 0};
   return {QpStatus::kSolved, CGAL::to_double(solution.objective_value())};

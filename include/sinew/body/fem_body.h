@@ -32,7 +32,7 @@ class FemBody {
 
   /// Marks the present configuration as the start of a step; `linearise` and `advance` may then repeat within it.
   void beginStep();
-  void linearise(const StepRule& rule);
+  void linearise(const StepRule& rule, Tangent tangent = Tangent::kExact);
   VecX& load() { return load_; }                ///< b, natural order
   const VecX& load() const { return load_; }
   BlockMatrix& matrix() { return data_.tangent; }

@@ -59,7 +59,7 @@ struct FemData {
 };
 
 /// Elastic forces at `positions` [m, every mesh node], and the tangent stiffness.
-void assemble(const FemModel& model, const std::vector<Vec3>& positions, FemData& data);
+void assemble(const FemModel& model, const std::vector<Vec3>& positions, Tangent tangent, FemData& data);
 /// The forces alone.
 void assembleForces(const FemModel& model, const std::vector<Vec3>& positions, FemData& data);
 

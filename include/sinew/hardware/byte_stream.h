@@ -13,9 +13,13 @@ using Time = Clock::time_point;
 using Duration = std::chrono::nanoseconds;
 
 /// Seconds of a duration.
-inline double seconds(Duration d) { return 1e-9 * static_cast<double>(d.count()); }
+inline double seconds(Duration d) {
+  return 1e-9 * static_cast<double>(d.count());
+}
 /// The duration of `s` seconds, to the nanosecond.
-inline Duration duration(double s) { return Duration(static_cast<std::int64_t>(s * 1e9)); }
+inline Duration duration(double s) {
+  return Duration(static_cast<std::int64_t>(s * 1e9));
+}
 
 enum class StreamStatus {
   kOk,       ///< at least one byte went through

@@ -6,7 +6,8 @@ namespace sinew {
 
 /// From a servo to the cable on its spool. Displacement is the length pulled in; `sign` is +1 when positive rotation of
 /// the servo reels in, -1 otherwise.
-///   counts = zero + sign * displacement / radius / (2 pi / 4096),   tension = sign * torque constant * current / radius
+///   counts = zero + sign * displacement / radius / (2 pi / 4096),   tension = sign * torque constant * current /
+///   radius
 class CableTransmission {
  public:
   /// Radius of the spool [m], +1 or -1, torque constant [N m/A] at the spool's shaft.
@@ -15,13 +16,13 @@ class CableTransmission {
   /// Makes `displacement` [m] belong to the position `counts`.
   void setZero(std::int32_t counts, double displacement = 0);
 
-  double displacement(std::int32_t counts) const;             ///< m
-  std::int32_t counts(double displacement) const;             ///< nearest
-  double tension(std::int32_t current) const;                 ///< N, from the present-current register
-  double amperes(std::int32_t current) const;                 ///< A, positive while reeling in
-  std::int32_t goalCurrent(double tension) const;             ///< register units that never exceed `tension` [N]
-  std::int32_t profileVelocity(double speed) const;           ///< register units, at least `speed` [m/s]
-  double resolution() const;                                  ///< m per count
+  double displacement(std::int32_t counts) const;    ///< m
+  std::int32_t counts(double displacement) const;    ///< nearest
+  double tension(std::int32_t current) const;        ///< N, from the present-current register
+  double amperes(std::int32_t current) const;        ///< A, positive while reeling in
+  std::int32_t goalCurrent(double tension) const;    ///< register units that never exceed `tension` [N]
+  std::int32_t profileVelocity(double speed) const;  ///< register units, at least `speed` [m/s]
+  double resolution() const;                         ///< m per count
 
  private:
   double radius_;

@@ -24,7 +24,8 @@ enum class CommandVerdict : std::uint8_t {
 
 /// Set points as they arrived, brought into the driver's order. Trivially copyable: it crosses threads.
 struct Command {
-  CommandVerdict defect = CommandVerdict::kMalformed;  ///< what is wrong with the message itself; kAccepted when nothing
+  CommandVerdict defect =
+      CommandVerdict::kMalformed;  ///< what is wrong with the message itself; kAccepted when nothing
   CommandStatus status = CommandStatus::kOk;
   std::uint32_t session = 0;
   std::uint32_t sequence = 0;
@@ -39,15 +40,17 @@ class CommandReader {
   explicit CommandReader(std::vector<std::string> names);
 
   /// A message must name every actuator exactly once, in displacement mode (0), with a finite value each.
-  Command read(std::uint32_t session, std::uint32_t sequence, std::uint8_t status, const std::vector<std::string>& names,
-               const std::vector<std::uint8_t>& modes, const std::vector<double>& values, Time received) const;
+  Command read(std::uint32_t session, std::uint32_t sequence, std::uint8_t status,
+               const std::vector<std::string>& names, const std::vector<std::uint8_t>& modes,
+               const std::vector<double>& values, Time received) const;
 
  private:
   std::vector<std::string> names_;
 };
 
-/// Who may command. Locks to the first session that is accepted and stays with it until `release()`; within a session the
-/// sequence must rise. Counts what it refuses, by reason. Ages are by the clock of the times given, never by stamps.
+/// Who may command. Locks to the first session that is accepted and stays with it until `release()`; within a session
+/// the sequence must rise. Counts what it refuses, by reason. Ages are by the clock of the times given, never by
+/// stamps.
 class CommandGate {
  public:
   struct Counters {

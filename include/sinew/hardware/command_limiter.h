@@ -4,8 +4,8 @@
 
 namespace sinew {
 
-/// The driver's own last word on every set point: finite, in range, and no faster than the rate. It never jumps, also not
-/// back into the range: from outside it returns at the rate.
+/// The driver's own last word on every set point: finite, in range, and no faster than the rate. It never jumps, also
+/// not back into the range: from outside it returns at the rate.
 class CommandLimiter {
  public:
   struct Limits {

@@ -30,8 +30,8 @@ enum class DriverEvent : std::uint8_t {
 constexpr int kDriverStates = 7;
 constexpr int kDriverEvents = 9;
 
-/// The whole of the driver's safety logic: where `event` leads from `state`. An event that means nothing in a state, or is
-/// not allowed in it, leads nowhere.
+/// The whole of the driver's safety logic: where `event` leads from `state`. An event that means nothing in a state, or
+/// is not allowed in it, leads nowhere.
 constexpr DriverState nextState(DriverState state, DriverEvent event) {
   using S = DriverState;
   using E = DriverEvent;
@@ -68,7 +68,9 @@ constexpr bool takesCommands(DriverState s) {
 
 /// Whether set points are written and devices read every cycle. Traffic feeds the devices' bus watchdogs, so in every
 /// other state the bus is left to fall silent.
-constexpr bool servesDevices(DriverState s) { return takesCommands(s); }
+constexpr bool servesDevices(DriverState s) {
+  return takesCommands(s);
+}
 
 constexpr const char* name(DriverState s) {
   constexpr const char* kNames[] = {"off", "initialising", "ready", "active", "holding", "safe", "fault"};

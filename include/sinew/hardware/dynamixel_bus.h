@@ -51,14 +51,17 @@ class DynamixelBus {
   BusStatus ping(std::uint8_t id, Identity& identity);
   BusStatus read(std::uint8_t id, ServoRegister r, std::int32_t& value);
   BusStatus write(std::uint8_t id, ServoRegister r, std::int32_t value);
+  /// Blocks of at most SyncAnswer::kMaxSize bytes.
+  BusStatus readBlock(std::uint8_t id, std::uint16_t address, std::uint8_t size, std::uint8_t* data);
+  BusStatus writeBlock(std::uint8_t id, std::uint16_t address, std::uint8_t size, const std::uint8_t* data);
   BusStatus reboot(std::uint8_t id);
   /// Brings the position into one turn again.
   BusStatus clearTurns(std::uint8_t id);
   /// Writes `values[i]` to device `ids[i]`, answered by none.
   BusStatus syncWrite(ServoRegister r, const std::vector<std::uint8_t>& ids, const std::vector<std::int32_t>& values);
-  /// Reads `size` (at most SyncAnswer::kMaxSize) bytes from `address` of every device into `answers`, of the same length
-  /// as `ids`: in one joint answer (fast sync read) as long as the devices know how, else in one answer each. kMissing
-  /// when any part is.
+  /// Reads `size` (at most SyncAnswer::kMaxSize) bytes from `address` of every device into `answers`, of the same
+  /// length as `ids`: in one joint answer (fast sync read) as long as the devices know how, else in one answer each.
+  /// kMissing when any part is.
   BusStatus syncRead(std::uint16_t address, std::uint16_t size, const std::vector<std::uint8_t>& ids,
                      std::vector<SyncAnswer>& answers);
 

@@ -29,7 +29,8 @@ enum class Instruction : std::uint8_t {
 constexpr std::uint8_t kBroadcastId = 0xFE;
 constexpr std::uint8_t kMaxServoId = 0xFC;
 
-/// Error field of a status packet: bits 0..6 say why the instruction failed, bit 7 that the device has a hardware alert.
+/// Error field of a status packet: bits 0..6 say why the instruction failed, bit 7 that the device has a hardware
+/// alert.
 enum class ServoError : std::uint8_t {
   kNone = 0,
   kResultFail = 1,
@@ -62,15 +63,15 @@ struct InstructionView {
 
 /// Why bytes were thrown away.
 struct PacketRejects {
-  std::uint64_t noise = 0;   ///< bytes outside of any packet
-  std::uint64_t header = 0;  ///< headers with an impossible id or length
-  std::uint64_t crc = 0;     ///< whole packets whose CRC did not match
+  std::uint64_t noise = 0;     ///< bytes outside of any packet
+  std::uint64_t header = 0;    ///< headers with an impossible id or length
+  std::uint64_t crc = 0;       ///< whole packets whose CRC did not match
   std::uint64_t stuffing = 0;  ///< whole packets with an FF FF FD that nothing follows
 };
 
-/// Finds packets in a stream of bytes. A length is checked before its bytes are waited for, and after any reject only one
-/// byte is dropped before the search goes on, so that a true packet behind a false header is not lost. Never allocates
-/// after construction.
+/// Finds packets in a stream of bytes. A length is checked before its bytes are waited for, and after any reject only
+/// one byte is dropped before the search goes on, so that a true packet behind a false header is not lost. Never
+/// allocates after construction.
 class PacketReader {
  public:
   static constexpr std::size_t kMaxFrame = 2048;  ///< bytes, header to CRC

@@ -38,16 +38,16 @@ struct ActuatorDescription {
 
 /// The devices of a robot and the driver's own limits.
 struct HardwareDescription {
-  std::string port;             ///< path of the serial port
-  int baud = 0;                 ///< 1/s
-  bool simulated = false;       ///< nothing real hangs on the port, so it may be opened under simulated time
-  double reply_timeout = 0;     ///< s an answer may be late
-  int missing_limit = 0;        ///< cycles in a row without a valid reading after which a device counts as lost
-  double rate = 0;              ///< Hz of the cycle without commands, and the rate step's base
-  double command_timeout = 0;   ///< s without a command until the driver holds
-  double hold_limit = 0;        ///< s of holding until on_timeout
-  double relax_time = 0;        ///< s in which a relaxing actuator gives its tension away
-  double bus_watchdog = 0;      ///< s after which a device stops by itself when the bus is silent
+  std::string port;            ///< path of the serial port
+  int baud = 0;                ///< 1/s
+  bool simulated = false;      ///< nothing real hangs on the port, so it may be opened under simulated time
+  double reply_timeout = 0;    ///< s an answer may be late
+  int missing_limit = 0;       ///< cycles in a row without a valid reading after which a device counts as lost
+  double rate = 0;             ///< Hz of the cycle without commands, and the rate step's base
+  double command_timeout = 0;  ///< s without a command until the driver holds
+  double hold_limit = 0;       ///< s of holding until on_timeout
+  double relax_time = 0;       ///< s in which a relaxing actuator gives its tension away
+  double bus_watchdog = 0;     ///< s after which a device stops by itself when the bus is silent
   std::vector<ActuatorDescription> actuators;
 
   /// Reads `path`. Throws ConfigError that gives the file, the key in full, the value found and what would be right.

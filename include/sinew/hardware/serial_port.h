@@ -6,8 +6,8 @@
 
 namespace sinew {
 
-/// A serial port (or the driver's end of a pseudo-terminal): raw, 8 data bits, no parity, 1 stop bit, any baud rate that
-/// the adapter can make, exclusive to this process. An unplugged adapter shows as kClosed.
+/// A serial port (or the driver's end of a pseudo-terminal): raw, 8 data bits, no parity, 1 stop bit, any baud rate
+/// that the adapter can make, exclusive to this process. An unplugged adapter shows as kClosed.
 class SerialPort : public ByteStream {
  public:
   SerialPort() = default;

@@ -20,7 +20,7 @@ constexpr ServoRegister kId{7, 1};
 constexpr ServoRegister kReturnDelay{9, 1};  // 2 us
 constexpr ServoRegister kDriveMode{10, 1};
 constexpr ServoRegister kOperatingMode{11, 1};
-constexpr ServoRegister kHomingOffset{20, 4};     // counts
+constexpr ServoRegister kHomingOffset{20, 4};      // counts
 constexpr ServoRegister kTemperatureLimit{31, 1};  // degC
 constexpr ServoRegister kMaxVoltageLimit{32, 2};   // 0.1 V
 constexpr ServoRegister kMinVoltageLimit{34, 2};   // 0.1 V
@@ -77,13 +77,13 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kCountsPerTurn = 4096;
 constexpr double kRadiansPerCount = 2 * kPi / kCountsPerTurn;
 constexpr double kAmperesPerUnit = 2.69e-3;
-constexpr double kRadiansPerSecondPerUnit = 0.229 * 2 * kPi / 60;             // velocity registers, 0.229 rev/min
+constexpr double kRadiansPerSecondPerUnit = 0.229 * 2 * kPi / 60;              // velocity registers, 0.229 rev/min
 constexpr double kRadiansPerSecond2PerUnit = 214.577 * 2 * kPi / (60. * 60.);  // profile acceleration
 constexpr double kVoltsPerUnit = 0.1;
-constexpr double kWatchdogUnit = 0.02;        // s
-constexpr double kReturnDelayUnit = 2e-6;     // s
-constexpr int kTickPeriod = 32768;            // ms
-constexpr int kMaxGoalPosition = 1048575;     // counts, extended and current-based position modes
+constexpr double kWatchdogUnit = 0.02;     // s
+constexpr double kReturnDelayUnit = 2e-6;  // s
+constexpr int kTickPeriod = 32768;         // ms
+constexpr int kMaxGoalPosition = 1048575;  // counts, extended and current-based position modes
 constexpr std::uint16_t kModelXm430W350 = 1020;
 constexpr std::uint16_t kModelXm430W210 = 1030;
 
@@ -95,7 +95,8 @@ inline std::int32_t decodeRegister(const std::uint8_t* data, std::size_t size) {
 }
 
 inline void encodeRegister(std::int32_t value, std::size_t size, std::uint8_t* data) {
-  for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(value) >> (8 * i));
+  for (std::size_t i = 0; i < size; ++i)
+    data[i] = static_cast<std::uint8_t>(static_cast<std::uint32_t>(value) >> (8 * i));
 }
 
 }  // namespace sinew

@@ -8,8 +8,8 @@
 
 namespace sinew {
 
-/// One XM430-W350 as seen over its bus: the control table with its access rules, the motion it commands, and the alarms.
-/// Mechanics are quasi-static,
+/// One XM430-W350 as seen over its bus: the control table with its access rules, the motion it commands, and the
+/// alarms. Mechanics are quasi-static,
 ///   damping * omega = motor torque + load torque,
 /// with the motor torque bounded by the goal current (mode 5) or the current limit, the supply and the PWM limit. Time
 /// passes only in `step()`, except for the millisecond clock of the line side.

@@ -24,7 +24,8 @@ namespace sinew {
 ///              bus.step(dt);
 ///              length_pulled_in = radius * (bus.shaftAngle(i) - angle_at_zero);
 ///
-/// Servos are addressed by index 0 .. size()-1, in the order of the ids given. Every member may be called from any thread.
+/// Servos are addressed by index 0 .. size()-1, in the order of the ids given. Every member may be called from any
+/// thread.
 class SimulatedServoBus {
  public:
   /// `ids`: bus ids, each once, 0 .. 252. `baud` sets the time that packets spend on the line.
@@ -38,8 +39,8 @@ class SimulatedServoBus {
 
   // --- Mechanics ---
 
-  /// Torque [N m] that the load exerts on the shaft of `servo`, positive towards increasing angle. A cable under tension
-  /// T on a spool of radius r that reels in with positive rotation exerts -T r. Kept until set again.
+  /// Torque [N m] that the load exerts on the shaft of `servo`, positive towards increasing angle. A cable under
+  /// tension T on a spool of radius r that reels in with positive rotation exerts -T r. Kept until set again.
   void setLoadTorque(int servo, double torque);
   /// Shaft angle [rad], continuous over turns, positive counter-clockwise as the device counts. Starts at 0.
   double shaftAngle(int servo) const;

@@ -28,7 +28,8 @@ class CondensedRobot {
 
   /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present values.
   void linearise(const VecX& effort, const StepRule& rule, StageTimes& times);
-  /// Factorises and condenses; false when A is not positive definite.
+  /// Factorises and condenses. Where the exact tangent is indefinite (a body near buckling) the semi-definite one takes
+  /// its place, with the cost of a second assembly; false when even that is not positive definite.
   bool condense(StageTimes& times);
 
   const MatX& compliance() const { return compliance_; }     ///< W, rows x rows [m/N]
@@ -43,13 +44,17 @@ class CondensedRobot {
   void reset();
 
  private:
+  void assembleSystem(Tangent tangent);
+  bool factorise(StageTimes& times);
+
   std::shared_ptr<const RobotModel> robot_;
   FemBody body_;
   ConstraintRows rows_;
   int actuators_;
   MatX half_;  // Y = L^-1 P [H^T b]
   MatX compliance_;
-  VecX free_motion_, displacement_, cable_force_, half_motion_, motion_;
+  VecX effort_, free_motion_, displacement_, cable_force_, half_motion_, motion_;
+  StepRule rule_;
   double residual_ = 0, load_norm_ = 0;
 };
 

@@ -21,8 +21,8 @@ FemBody::FemBody(const FemModel& model, const Vec3& gravity)
 
 void FemBody::beginStep() { std::copy(positions_.begin(), positions_.end(), start_.begin()); }
 
-void FemBody::linearise(const StepRule& rule) {
-  assemble(*model_, positions_, data_);
+void FemBody::linearise(const StepRule& rule, Tangent tangent) {
+  assemble(*model_, positions_, tangent, data_);
   imbalance_ = data_.force + gravity_force_;
   load_ = imbalance_;
   if (!rule.dynamic) return;

@@ -10,6 +10,8 @@
 namespace sinew {
 namespace {
 
+constexpr double kLargestTurning = 100;  // of mu; beyond it the element is all but inverted
+
 Mat3 cross(const Vec3& v) {
   Mat3 m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -30,21 +32,26 @@ Mat3 calcStress(const Lame& lame, const Mat3& S) {
   return stress;
 }
 
-// Q of the turning stiffness in the rotated-back frame, without its negative eigenvalues; false when none is left. To
-// first order in the strain the eigenvalues are the sums of two principal stresses over (s_i + s_j).
-bool calcTurningStiffness(const Lame& lame, const Mat3& S, Mat3& Q) {
+// Q of the turning stiffness in the rotated-back frame. To first order in the strain its eigenvalues are the sums of two
+// principal stresses over (s_i + s_j), negative in compression.
+Mat3 calcTurningStiffness(const Lame& lame, const Mat3& S, Tangent tangent) {
+  const double pressure = lame.lambda * (S.trace() - 3) - 2 * lame.mu;
+  if (tangent == Tangent::kExact) {
+    Mat3 G = -S;
+    G.diagonal().array() += S.trace();
+    Mat3 Q = pressure * G.inverse();
+    Q.diagonal().array() += lame.mu;
+    if (Q.cwiseAbs().maxCoeff() < kLargestTurning * lame.mu) return Q;
+  }
   Eigen::SelfAdjointEigenSolver<Mat3> principal;
   principal.computeDirect(S);
   const Vec3& s = principal.eigenvalues();
-  const double pressure = lame.lambda * (s.sum() - 3) - 2 * lame.mu;
   Vec3 q;
   for (int i = 0; i < 3; ++i) {
     const double pair = s[(i + 1) % 3] + s[(i + 2) % 3];
     q[i] = pair > 0 ? std::max(0.0, lame.mu + pressure / pair) : 0.0;
   }
-  if (q.maxCoeff() <= 0) return false;
-  Q = principal.eigenvectors() * q.asDiagonal() * principal.eigenvectors().transpose();
-  return true;
+  return principal.eigenvectors() * q.asDiagonal() * principal.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -65,24 +72,21 @@ void calcTetForces(const TetShape& shape, const Lame& lame, const TetGradients& 
   forces.noalias() = (-shape.volume * R * calcStress(lame, S)) * shape.gradients;
 }
 
-void calcTetLinearisation(const TetShape& shape, const Lame& lame, const TetGradients& positions, Mat3& R,
-                          TetLinearisation& result) {
+void calcTetLinearisation(const TetShape& shape, const Lame& lame, const TetGradients& positions, Tangent tangent,
+                          Mat3& R, TetLinearisation& result) {
   const Mat3 S = updateStretch(shape, positions, R);
   result.forces.noalias() = (-shape.volume * R * calcStress(lame, S)) * shape.gradients;
 
   const TetGradients q = R * shape.gradients;
-  Mat3 Q = Mat3::Zero();
-  const bool turning = calcTurningStiffness(lame, S, Q);
-  if (turning) Q = R * Q * R.transpose();
+  const Mat3 Q = R * calcTurningStiffness(lame, S, tangent) * R.transpose();
   for (int a = 0, k = 0; a < 4; ++a) {
     const Vec3 scaled = shape.volume * q.col(a);
-    Mat3 turn = Mat3::Zero();
-    if (turning) turn = cross(scaled).transpose() * Q;
+    const Mat3 turn = cross(scaled).transpose() * Q;
     for (int b = 0; b <= a; ++b, ++k) {
       Mat3& block = result.stiffness[k];
       block.noalias() = lame.lambda * scaled * q.col(b).transpose() + lame.mu * q.col(b) * scaled.transpose();
+      block.noalias() += turn * cross(q.col(b));
       block.diagonal().array() += lame.mu * scaled.dot(q.col(b));
-      if (turning) block += turn * cross(q.col(b));
     }
   }
 }

@@ -85,13 +85,13 @@ void scatter(const FemModel& model, const FemModel::Element& element, const TetG
 
 }  // namespace
 
-void assemble(const FemModel& model, const std::vector<Vec3>& positions, FemData& data) {
+void assemble(const FemModel& model, const std::vector<Vec3>& positions, Tangent tangent, FemData& data) {
   data.force.setZero();
   data.tangent.setZero();
   TetLinearisation result;
   for (std::size_t t = 0; t < model.elements().size(); ++t) {
     const FemModel::Element& element = model.elements()[t];
-    calcTetLinearisation(element.shape, element.lame, gather(element, positions), data.rotations[t], result);
+    calcTetLinearisation(element.shape, element.lame, gather(element, positions), tangent, data.rotations[t], result);
     scatter(model, element, result.forces, data.force);
     for (int k = 0; k < 10; ++k) {
       if (element.slots[k].first >= 0) data.tangent.add(element.slots[k], result.stiffness[k]);

@@ -80,8 +80,12 @@ void CommandGate::refuse(CommandVerdict reason) {
   }
 }
 
-void CommandGate::release() { locked_ = false; }
+void CommandGate::release() {
+  locked_ = false;
+}
 
-double CommandGate::age(Time now) const { return any_ ? seconds(now - received_) : -1; }
+double CommandGate::age(Time now) const {
+  return any_ ? seconds(now - received_) : -1;
+}
 
 }  // namespace sinew

@@ -6,7 +6,9 @@
 namespace sinew {
 namespace {
 
-double clamp(double x, double low, double high) { return std::max(low, std::min(high, x)); }
+double clamp(double x, double low, double high) {
+  return std::max(low, std::min(high, x));
+}
 
 }  // namespace
 

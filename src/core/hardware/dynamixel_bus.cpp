@@ -10,8 +10,12 @@ constexpr std::size_t kJointOverhead = 8;    // header, id, length, instruction
 constexpr std::size_t kJointShare = 4;       // error, id, CRC of each device
 constexpr double kBitsPerByte = 10;
 
-std::uint8_t low(std::size_t word) { return static_cast<std::uint8_t>(word); }
-std::uint8_t high(std::size_t word) { return static_cast<std::uint8_t>(word >> 8); }
+std::uint8_t low(std::size_t word) {
+  return static_cast<std::uint8_t>(word);
+}
+std::uint8_t high(std::size_t word) {
+  return static_cast<std::uint8_t>(word >> 8);
+}
 
 }  // namespace
 
@@ -58,7 +62,8 @@ void DynamixelBus::countDamage(std::size_t lost) {
 }
 
 // Sends `parameters_` and opens the books for `answers` answers of `answer_size` parameters each.
-BusStatus DynamixelBus::request(std::uint8_t id, Instruction instruction, std::size_t answers, std::size_t answer_size) {
+BusStatus DynamixelBus::request(std::uint8_t id, Instruction instruction, std::size_t answers,
+                                std::size_t answer_size) {
   if (line_ == nullptr || !flush()) return BusStatus::kClosed;
   out_.clear();
   appendPacket(id, instruction, parameters_.data(), parameters_.size(), out_);
@@ -123,18 +128,31 @@ BusStatus DynamixelBus::ping(std::uint8_t id, Identity& identity) {
   return status;
 }
 
+BusStatus DynamixelBus::readBlock(std::uint8_t id, std::uint16_t address, std::uint8_t size, std::uint8_t* data) {
+  parameters_.assign({low(address), high(address), size, 0});
+  const BusStatus status = transact(id, Instruction::kRead, size);
+  if (status == BusStatus::kOk) std::copy(answer_.begin(), answer_.begin() + size, data);
+  return status;
+}
+
+BusStatus DynamixelBus::writeBlock(std::uint8_t id, std::uint16_t address, std::uint8_t size,
+                                   const std::uint8_t* data) {
+  parameters_.assign({low(address), high(address)});
+  parameters_.insert(parameters_.end(), data, data + size);
+  return transact(id, Instruction::kWrite, 0);
+}
+
 BusStatus DynamixelBus::read(std::uint8_t id, ServoRegister r, std::int32_t& value) {
-  parameters_.assign({low(r.address), high(r.address), r.size, 0});
-  const BusStatus status = transact(id, Instruction::kRead, r.size);
-  if (status == BusStatus::kOk) value = decodeRegister(answer_.data(), r.size);
+  std::uint8_t data[4] = {};
+  const BusStatus status = readBlock(id, r.address, r.size, data);
+  if (status == BusStatus::kOk) value = decodeRegister(data, r.size);
   return status;
 }
 
 BusStatus DynamixelBus::write(std::uint8_t id, ServoRegister r, std::int32_t value) {
-  parameters_.assign({low(r.address), high(r.address), 0, 0, 0, 0});
-  parameters_.resize(2u + r.size);
-  encodeRegister(value, r.size, &parameters_[2]);
-  return transact(id, Instruction::kWrite, 0);
+  std::uint8_t data[4] = {};
+  encodeRegister(value, r.size, data);
+  return writeBlock(id, r.address, r.size, data);
 }
 
 BusStatus DynamixelBus::reboot(std::uint8_t id) {
@@ -171,8 +189,8 @@ BusStatus DynamixelBus::syncRead(std::uint16_t address, std::uint16_t size, cons
   return status;
 }
 
-// Answers are kept by device, in whatever order they come. A line never reorders what one device sent, so of two answers
-// of one device the first was late from an earlier transaction.
+// Answers are kept by device, in whatever order they come. A line never reorders what one device sent, so of two
+// answers of one device the first was late from an earlier transaction.
 BusStatus DynamixelBus::plainSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids,
                                       std::vector<SyncAnswer>& answers) {
   BusStatus status = request(kBroadcastId, Instruction::kSyncRead, ids.size(), kStatusOverhead + size);

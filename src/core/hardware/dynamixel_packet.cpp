@@ -22,7 +22,9 @@ std::array<std::uint16_t, 256> makeCrcTable() {
   return table;
 }
 
-bool isPossibleId(std::uint8_t id) { return id <= kMaxServoId || id == kBroadcastId; }
+bool isPossibleId(std::uint8_t id) {
+  return id <= kMaxServoId || id == kBroadcastId;
+}
 
 bool endsStuffable(const std::uint8_t* end, std::size_t size) {
   return size >= 3 && end[-3] == 0xFF && end[-2] == 0xFF && end[-1] == 0xFD;
@@ -61,7 +63,9 @@ void appendPacket(std::uint8_t id, Instruction instruction, const std::uint8_t* 
 
 PacketReader::PacketReader() : buffer_(2 * kMaxFrame), plain_(kMaxFrame) {}
 
-void PacketReader::setMaxFrame(std::size_t size) { max_frame_ = std::min(size, kMaxFrame); }
+void PacketReader::setMaxFrame(std::size_t size) {
+  max_frame_ = std::min(size, kMaxFrame);
+}
 
 void PacketReader::put(const std::uint8_t* data, std::size_t size) {
   const std::size_t fits = std::min(size, capacity());

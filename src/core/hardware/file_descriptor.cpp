@@ -29,7 +29,9 @@ Wait waitFor(int fd, short event, Duration timeout) {
   }
 }
 
-bool isTemporary(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+bool isTemporary(int error) {
+  return error == EAGAIN || error == EWOULDBLOCK || error == EINTR;
+}
 
 }  // namespace
 

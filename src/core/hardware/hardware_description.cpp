@@ -20,7 +20,10 @@ namespace {
 class Section {
  public:
   Section(YAML::Node node, std::string path, YAML::Node common = {}, std::string common_path = {})
-      : node_(std::move(node)), path_(std::move(path)), common_(std::move(common)), common_path_(std::move(common_path)) {
+      : node_(std::move(node)),
+        path_(std::move(path)),
+        common_(std::move(common)),
+        common_path_(std::move(common_path)) {
     if (!node_.IsMap()) throw ConfigError(path_, describe(node_), "a map");
   }
 

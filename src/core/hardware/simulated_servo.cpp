@@ -97,7 +97,9 @@ bool isGoal(ServoRegister r) {
          r.address != reg::kProfileAcceleration.address && r.address != reg::kProfileVelocity.address;
 }
 
-double clampAbs(double x, double limit) { return std::max(-limit, std::min(limit, x)); }
+double clampAbs(double x, double limit) {
+  return std::max(-limit, std::min(limit, x));
+}
 
 }  // namespace
 
@@ -108,9 +110,13 @@ SimulatedServo::SimulatedServo(std::uint8_t id, const Parameters& parameters) : 
   boot();
 }
 
-void SimulatedServo::set(ServoRegister r, std::int32_t value) { encodeRegister(value, r.size, &memory_[r.address]); }
+void SimulatedServo::set(ServoRegister r, std::int32_t value) {
+  encodeRegister(value, r.size, &memory_[r.address]);
+}
 
-std::int32_t SimulatedServo::value(ServoRegister r) const { return decodeRegister(&memory_[r.address], r.size); }
+std::int32_t SimulatedServo::value(ServoRegister r) const {
+  return decodeRegister(&memory_[r.address], r.size);
+}
 
 // Power-up: RAM at its defaults, the turns of the shaft forgotten.
 void SimulatedServo::boot() {
@@ -128,7 +134,9 @@ void SimulatedServo::boot() {
   refreshPresent();
 }
 
-void SimulatedServo::reboot() { boot(); }
+void SimulatedServo::reboot() {
+  boot();
+}
 
 void SimulatedServo::resetGoals() {
   set(reg::kGoalPwm, value(reg::kPwmLimit));
@@ -139,14 +147,17 @@ void SimulatedServo::resetGoals() {
 }
 
 int SimulatedServo::toCounts(double angle) const {
-  return static_cast<int>(std::lround(angle / kRadiansPerCount)) * direction() - zero_count_ + value(reg::kHomingOffset);
+  return static_cast<int>(std::lround(angle / kRadiansPerCount)) * direction() - zero_count_ +
+         value(reg::kHomingOffset);
 }
 
 double SimulatedServo::toAngle(int counts) const {
   return (counts - value(reg::kHomingOffset) + zero_count_) * direction() * kRadiansPerCount;
 }
 
-void SimulatedServo::setMilliseconds(std::int64_t ms) { milliseconds_ = ms; }
+void SimulatedServo::setMilliseconds(std::int64_t ms) {
+  milliseconds_ = ms;
+}
 
 std::uint8_t SimulatedServo::errorField(ServoError error) const {
   const bool alert = memory_[reg::kHardwareError.address] != 0;

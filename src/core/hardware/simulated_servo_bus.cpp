@@ -12,9 +12,13 @@ using Lock = std::lock_guard<std::mutex>;
 
 constexpr double kBitsPerByte = 10;  // start, 8 data, stop
 
-std::size_t index(int servo) { return static_cast<std::size_t>(servo); }
+std::size_t index(int servo) {
+  return static_cast<std::size_t>(servo);
+}
 
-std::size_t word(const std::uint8_t* p) { return static_cast<std::size_t>(p[0] | p[1] << 8); }
+std::size_t word(const std::uint8_t* p) {
+  return static_cast<std::size_t>(p[0] | p[1] << 8);
+}
 
 std::vector<std::uint8_t> makeStatus(std::uint8_t id, std::uint8_t error, const std::uint8_t* data, std::size_t size) {
   std::vector<std::uint8_t> parameters{error};
@@ -36,7 +40,9 @@ SimulatedServoBus::SimulatedServoBus(const std::vector<std::uint8_t>& ids, int b
   }
 }
 
-SimulatedServoBus::~SimulatedServoBus() { stop(); }
+SimulatedServoBus::~SimulatedServoBus() {
+  stop();
+}
 
 SimulatedServo* SimulatedServoBus::find(std::uint8_t id) {
   for (SimulatedServo& s : servos_)
@@ -244,13 +250,20 @@ void SimulatedServoBus::answerSyncRead(const InstructionView& packet, Time recei
   }
 }
 
-// One packet for all: per device its error, id, data and the CRC of everything so far. It ends at a device that is silent.
+// One packet for all: per device its error, id, data and the CRC of everything so far. It ends at a device that is
+// silent.
 void SimulatedServoBus::answerFastSyncRead(const InstructionView& packet, Time received) {
   if (!fast_sync_read_ || packet.size < 5) return;
   const std::size_t size = word(packet.parameters + 2), devices = packet.size - 4;
   const std::size_t length = 1 + devices * (size + 4);
-  std::vector<std::uint8_t> out{0xFF, 0xFF, 0xFD, 0x00, kBroadcastId, static_cast<std::uint8_t>(length),
-                                static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(Instruction::kStatus)};
+  std::vector<std::uint8_t> out{0xFF,
+                                0xFF,
+                                0xFD,
+                                0x00,
+                                kBroadcastId,
+                                static_cast<std::uint8_t>(length),
+                                static_cast<std::uint8_t>(length >> 8),
+                                static_cast<std::uint8_t>(Instruction::kStatus)};
   std::vector<std::uint8_t> data(size);
   Duration delay{0};
   for (std::size_t i = 4; i < packet.size; ++i) {

@@ -28,6 +28,7 @@ CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
       actuators_(robot_->actuatorCount()),
       half_(robot_->fem().size(), countRows(*robot_) + 1),
       compliance_(countRows(*robot_), countRows(*robot_)),
+      effort_(VecX::Zero(actuators_)),
       free_motion_(countRows(*robot_)),
       displacement_(VecX::Zero(actuators_)),
       cable_force_(VecX::Zero(robot_->fem().size())),
@@ -40,9 +41,8 @@ StepRule CondensedRobot::makeRule(double period) const {
           description.damping_stiffness};
 }
 
-void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTimes& times) {
-  const StageTimer timer(times.assembly);
-  body_.linearise(rule);
+void CondensedRobot::assembleSystem(Tangent tangent) {
+  body_.linearise(rule_, tangent);
   rows_.clear();
   cable_force_.setZero();
   const std::vector<Vec3>& positions = body_.positions();
@@ -50,8 +50,8 @@ void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTi
     const Cable& cable = robot_->cables()[i];
     displacement_[i] = cable.calcDisplacement(positions);
     cable.addRow(positions, rows_);
-    rows_.addTransposed(i, effort[i], cable_force_);
-    cable.addLoadStiffness(positions, effort[i], body_.matrix());
+    rows_.addTransposed(i, effort_[i], cable_force_);
+    cable.addLoadStiffness(positions, effort_[i], body_.matrix());
   }
   load_norm_ = body_.gravityForce().norm() + cable_force_.norm();
   for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, &body_.matrix());
@@ -61,11 +61,28 @@ void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTi
   residual_ = body_.imbalance().norm();
 }
 
-bool CondensedRobot::condense(StageTimes& times) {
+void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTimes& times) {
+  const StageTimer timer(times.assembly);
+  effort_ = effort;
+  rule_ = rule;
+  assembleSystem(Tangent::kExact);
+}
+
+bool CondensedRobot::factorise(StageTimes& times) {
   {
     const StageTimer timer(times.factor);
-    if (!body_.factorise()) return false;
+    if (body_.factorise()) return true;
   }
+  {
+    const StageTimer timer(times.assembly);
+    assembleSystem(Tangent::kSemidefinite);
+  }
+  const StageTimer timer(times.factor);
+  return body_.factorise();
+}
+
+bool CondensedRobot::condense(StageTimes& times) {
+  if (!factorise(times)) return false;
   const StageTimer timer(times.compliance);
   SparseCholesky& cholesky = body_.cholesky();
   const auto place = [&cholesky](int i) { return cholesky.permuted(i); };

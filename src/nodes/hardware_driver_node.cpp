@@ -1,0 +1,297 @@
+#include "hardware_driver_node.h"
+
+#include <ros/console.h>
+#include <ros/init.h>
+#include <ros/param.h>
+#include <signal.h>
+
+#include <exception>
+#include <functional>
+
+#include "parameters.h"
+#include "real_time.h"
+#include "sinew/hardware/serial_port.h"
+
+namespace sinew {
+namespace {
+
+constexpr std::uint32_t kCommandBacklog = 50;  // messages
+constexpr double kServiceTimeout = 60;         // s a service waits for its outcome, homing included
+constexpr double kRetryPeriod = 1;             // s between attempts of ~auto_init
+constexpr double kEarliestCycle = 0.5;         // periods after the last cycle
+constexpr double kLatestCycle = 1.5;           // periods, while commands set the pace
+constexpr double kSwitchOffTime = 2;           // s beyond relax_time
+
+HardwareDescription loadDescription(const Parameters& parameters) {
+  HardwareDescription description = HardwareDescription::load(parameters.text("hardware"));
+  description.port = parameters.textOr("port", description.port);
+  return description;
+}
+
+bool isSimulatedTime() {
+  bool simulated = ros::Time::isSimTime();
+  if (!simulated) ros::param::get("/use_sim_time", simulated);
+  return simulated;
+}
+
+}  // namespace
+
+HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle private_node)
+    : description_(loadDescription(Parameters(private_node))),
+      simulated_(Parameters(private_node).flagOr("simulated", description_.simulated)),
+      auto_init_(Parameters(private_node).flagOr("auto_init", false)),
+      driver_(description_, [this](std::string& why) { return openPort(why); }),
+      reader_(description_.names()),
+      for_services_(driver_.report()),
+      for_diagnostics_(driver_.report()),
+      node_(node),
+      service_node_(private_node),
+      service_spinner_(1, &service_queue_),
+      diagnostics_(node, private_node) {
+  const std::size_t size = description_.actuators.size();
+  message_.name = description_.names();
+  message_.mode.assign(size, ActuatorCommand::DISPLACEMENT);
+  state_ = node_.advertise<ActuatorState>("actuator_state", 10);
+  command_ = node_.subscribe("actuator_command", kCommandBacklog, &HardwareDriverNode::onCommand, this,
+                             ros::TransportHints().tcpNoDelay());
+  service_node_.setCallbackQueue(&service_queue_);
+  advertiseVerb("init", DriverRequest::kInit);
+  advertiseVerb("home", DriverRequest::kHome);
+  advertiseVerb("recover", DriverRequest::kRecover);
+  advertiseVerb("halt", DriverRequest::kHalt);
+  advertiseVerb("shutdown", DriverRequest::kShutdown);
+  diagnostics_.setHardwareID(description_.port);
+  diagnostics_.add("hardware driver", this, &HardwareDriverNode::diagnose);
+  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0),
+                                             [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  service_spinner_.start();
+  bus_ = std::thread(&HardwareDriverNode::runBus, this);
+}
+
+HardwareDriverNode::~HardwareDriverNode() {
+  service_spinner_.stop();
+  running_ = false;
+  wake_up_.signal();
+  bus_.join();
+}
+
+void HardwareDriverNode::advertiseVerb(const std::string& verb, DriverRequest request) {
+  using Callback = boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)>;
+  const Callback callback = [this, verb, request](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    return onVerb(verb, request, response);
+  };
+  verbs_.push_back(service_node_.advertiseService(verb, callback));
+}
+
+// A real robot must not be moved by a recording or by a simulation that shares its topics.
+std::shared_ptr<ByteStream> HardwareDriverNode::openPort(std::string& why) const {
+  if (!simulated_ && !isPseudoTerminal(description_.port) && isSimulatedTime()) {
+    why = description_.port + " is a real port, which stays closed while /use_sim_time is true";
+    return nullptr;
+  }
+  auto port = std::make_shared<SerialPort>();
+  if (port->open(description_.port, description_.baud)) return port;
+  why = port->error();
+  return nullptr;
+}
+
+// --- Callbacks ---
+
+void HardwareDriverNode::onCommand(const ActuatorCommand::ConstPtr& message) {
+  const Command command = reader_.read(message->session, message->sequence, message->status, message->name,
+                                       message->mode, message->value, Clock::now());
+  if (!commands_.push(command)) ++overruns_;
+  wake_up_.signal();
+}
+
+bool HardwareDriverNode::onVerb(const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response) {
+  answer_ = Answer::kWaiting;
+  request_ = static_cast<int>(request);
+  wake_up_.signal();
+  while (answer_ == Answer::kWaiting && running_) ros::WallDuration(0.001).sleep();
+  const bool taken = answer_ == Answer::kTaken;
+  const bool settled = taken && settle(request);
+  for_services_.update();
+  const DriverReport& report = for_services_.front();
+  const std::string state = name(report.state) + (report.reason.empty() ? "" : ": " + report.reason);
+  response.success = settled;
+  response.message = taken ? state : verb + " is not possible now (" + state + ")";
+  return true;
+}
+
+// Waits until the request has led where it should, or elsewhere.
+bool HardwareDriverNode::settle(DriverRequest request) {
+  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(kServiceTimeout);
+  for (; running_ && ros::WallTime::now() < deadline; ros::WallDuration(0.005).sleep()) {
+    for_services_.update();
+    const DriverReport& report = for_services_.front();
+    if (report.state == DriverState::kInitialising || report.relaxing) continue;
+    if (request == DriverRequest::kHalt) return report.state == DriverState::kSafe;
+    if (request == DriverRequest::kShutdown) return report.state == DriverState::kOff;
+    return takesCommands(report.state);
+  }
+  return false;
+}
+
+// --- The bus thread ---
+
+void HardwareDriverNode::runBus() {
+  raisePriority(kCyclePriority);
+  Time last = Clock::now();
+  bool commanded = false;
+  while (running_) {
+    waitForCycle(last, commanded);
+    commanded = takeInputs();
+    last = Clock::now();
+    const DriverReport& report = driver_.update(last);
+    for_services_.write(report);
+    for_diagnostics_.write(report);
+    publish(report);
+  }
+}
+
+void HardwareDriverNode::waitForCycle(Time last, bool commanded) {
+  const double period = 1 / description_.rate;
+  wake_up_.waitUntil(last + duration(period * (commanded ? kLatestCycle : 1)));
+  std::this_thread::sleep_until(last + duration(period * kEarliestCycle));
+}
+
+// Returns whether a command came.
+bool HardwareDriverNode::takeInputs() {
+  const int request = request_.exchange(kNoRequest);
+  if (request != kNoRequest) {
+    auto_init_ = false;
+    const bool taken = driver_.request(static_cast<DriverRequest>(request));
+    // The outcome must not be read from a report of before.
+    if (taken) driver_.update(Clock::now());
+    for_services_.write(driver_.report());
+    answer_ = taken ? Answer::kTaken : Answer::kRefused;
+  }
+  retryInit();
+  Command command;
+  bool any = false;
+  for (; commands_.pop(command); any = true) driver_.offer(command);
+  return any;
+}
+
+// A simulated port may appear later than this node: try until the robot has been ready once.
+void HardwareDriverNode::retryInit() {
+  const DriverState state = driver_.report().state;
+  if (takesCommands(state)) auto_init_ = false;
+  const bool idle = state == DriverState::kOff || state == DriverState::kFault;
+  if (!auto_init_ || !idle || Clock::now() - last_attempt_ < duration(kRetryPeriod)) return;
+  last_attempt_ = Clock::now();
+  driver_.request(DriverRequest::kInit);
+}
+
+void HardwareDriverNode::publish(const DriverReport& report) {
+  const std::size_t size = report.servos.size();
+  for (auto* values : {&message_.measured, &message_.effort, &message_.current, &message_.temperature})
+    values->resize(size);
+  message_.measured_valid.resize(size);
+  message_.zero_valid.resize(size);
+  message_.fault.resize(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const ServoReading& servo = report.servos[i];
+    message_.measured[i] = servo.displacement;
+    message_.measured_valid[i] = servo.valid;
+    message_.effort[i] = servo.tension;
+    message_.current[i] = servo.current;
+    message_.temperature[i] = servo.temperature;
+    message_.zero_valid[i] = servo.zero_valid;
+    message_.fault[i] = servo.fault;
+  }
+  message_.header.stamp = ros::Time::now();
+  message_.applied = report.applied;
+  message_.driver_state = static_cast<std::uint8_t>(report.state);
+  message_.reason = report.reason;
+  message_.command_age = report.command_age;
+  message_.session = report.session;
+  message_.sequence = report.sequence;
+  message_.accepted = report.commands.accepted;
+  message_.rejected_session = report.commands.session;
+  message_.rejected_sequence = report.commands.sequence;
+  message_.rejected_malformed = report.commands.malformed;
+  message_.rejected_not_finite = report.commands.not_finite;
+  message_.rejected_state = report.commands.state;
+  message_.bus_corrupted = report.bus.corrupted;
+  message_.bus_missing = report.bus.missing;
+  message_.bus_device_error = report.bus.device_error;
+  state_.publish(message_);
+}
+
+// --- The rest ---
+
+void HardwareDriverNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using Status = diagnostic_msgs::DiagnosticStatus;
+  for_diagnostics_.update();
+  const DriverReport& report = for_diagnostics_.front();
+  const bool bad = report.state == DriverState::kFault;
+  const bool well = takesCommands(report.state) && report.state != DriverState::kHolding;
+  const std::string reason = report.reason.empty() ? "" : ": " + report.reason;
+  status.summary(bad ? Status::ERROR : well ? Status::OK : Status::WARN, name(report.state) + reason);
+  status.add("port", description_.port);
+  status.add("cycles", report.cycles);
+  status.add("commands accepted", report.commands.accepted);
+  status.add("commands refused: session", report.commands.session);
+  status.add("commands refused: sequence", report.commands.sequence);
+  status.add("commands refused: malformed", report.commands.malformed);
+  status.add("commands refused: not finite", report.commands.not_finite);
+  status.add("commands refused: state", report.commands.state);
+  status.add("commands refused: no room", overruns_.load());
+  status.add("packets corrupted", report.bus.corrupted);
+  status.add("packets missing", report.bus.missing);
+  status.add("packets stale", report.bus.stale);
+  status.add("packets with device error", report.bus.device_error);
+  status.add("readings late by the servo's clock", report.late_readings);
+  for (std::size_t i = 0; i < report.servos.size(); ++i) {
+    const ServoReading& servo = report.servos[i];
+    status.addf(message_.name[i], "%.1f V, %.0f degC, %.1f N, zero %s, fault 0x%X", servo.voltage, servo.temperature,
+                servo.tension, servo.zero_valid ? "valid" : "unknown", servo.fault);
+  }
+}
+
+void HardwareDriverNode::shutDown() {
+  request_ = static_cast<int>(DriverRequest::kShutdown);
+  wake_up_.signal();
+  const double limit = description_.relax_time + kSwitchOffTime;
+  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(limit);
+  service_spinner_.stop();
+  for (; ros::WallTime::now() < deadline; ros::WallDuration(0.01).sleep()) {
+    for_services_.update();
+    const DriverReport& report = for_services_.front();
+    if (request_ == kNoRequest && report.state == DriverState::kOff && !report.relaxing) return;
+  }
+  ROS_WARN("the actuators could not be switched off; their bus watchdogs stop them");
+}
+
+}  // namespace sinew
+
+namespace {
+
+volatile sig_atomic_t stop_asked = 0;
+
+void askToStop(int) {
+  stop_asked = 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Before ros::init: the threads that roscpp starts inherit it.
+  const std::string not_allowed = sinew::requestRealTime();
+  // Publishing must go on while the actuators relax, so roscpp does not handle the signal.
+  ros::init(argc, argv, "hardware_driver", ros::init_options::NoSigintHandler);
+  signal(SIGINT, askToStop);
+  signal(SIGTERM, askToStop);
+  try {
+    sinew::HardwareDriverNode driver{ros::NodeHandle(), ros::NodeHandle("~")};
+    if (!not_allowed.empty()) ROS_WARN_STREAM("not in real time: " << not_allowed << "; cycles may be late");
+    while (ros::ok() && stop_asked == 0) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
+    driver.shutDown();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM(error.what());
+    return 1;
+  }
+  return 0;
+}

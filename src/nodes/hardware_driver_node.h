@@ -1,0 +1,80 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <sinew/ActuatorCommand.h>
+#include <sinew/ActuatorState.h>
+#include <std_srvs/Trigger.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "hardware_driver_wake_up.h"
+#include "sinew/common/newest_wins.h"
+#include "sinew/hardware/command_queue.h"
+#include "sinew/hardware/hardware_driver.h"
+
+namespace sinew {
+
+/// Carries commands to the servos and their state back.
+///
+/// Three threads: callbacks of commands and diagnostics; services, which may wait for their outcome; and the bus, which
+/// alone touches the driver and publishes after every cycle. A command wakes the bus at once, but no earlier than half
+/// a period after its last cycle; without commands it runs at its own rate.
+class HardwareDriverNode {
+ public:
+  /// Throws ConfigError for wrong parameters.
+  HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle private_node);
+  ~HardwareDriverNode();
+
+  /// Relaxes the actuators and switches them off; returns when they are, or after a while when they cannot be reached.
+  void shutDown();
+
+ private:
+  static constexpr int kNoRequest = -1;
+  enum class Answer { kWaiting, kRefused, kTaken };
+
+  void advertiseVerb(const std::string& verb, DriverRequest request);
+  std::shared_ptr<ByteStream> openPort(std::string& why) const;
+  void onCommand(const ActuatorCommand::ConstPtr& message);
+  bool onVerb(const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response);
+  bool settle(DriverRequest request);
+  void runBus();
+  void waitForCycle(Time last, bool commanded);
+  bool takeInputs();
+  void retryInit();
+  void publish(const DriverReport& report);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  HardwareDescription description_;
+  bool simulated_;
+  bool auto_init_;
+  HardwareDriver driver_;
+  CommandReader reader_;
+  CommandQueue commands_;
+  WakeUp wake_up_;
+  std::atomic<int> request_{kNoRequest};
+  std::atomic<Answer> answer_{Answer::kWaiting};
+  std::atomic<std::uint64_t> overruns_{0};
+  std::atomic<bool> running_{true};
+  Time last_attempt_{};
+  NewestWins<DriverReport> for_services_, for_diagnostics_;
+
+  ros::NodeHandle node_;
+  ros::CallbackQueue service_queue_;
+  ros::NodeHandle service_node_;
+  ros::AsyncSpinner service_spinner_;
+  std::vector<ros::ServiceServer> verbs_;
+  ros::Publisher state_;
+  ActuatorState message_;
+  ros::Subscriber command_;
+  diagnostic_updater::Updater diagnostics_;
+  ros::WallTimer diagnostics_timer_;
+  std::thread bus_;
+};
+
+}  // namespace sinew

@@ -1,0 +1,190 @@
+// The tip of the simulated trunk on a horizontal circle: radius 40 mm, 8 s a turn, two turns, the first half turn left
+// out. Watches the wire only.
+
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <sinew/ActuatorCommand.h>
+#include <sinew/ControllerState.h>
+#include <sinew/EffectorTargets.h>
+#include <std_msgs/Float64.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "real_time.h"
+#include "results.h"
+#include "ros_conversions.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kTurn = 8;       // s
+constexpr double kTurns = 2;      // 1
+constexpr double kRate = 100;     // Hz
+constexpr double kPatience = 90;  // s until the circle has to be done
+
+double calcMean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// The value that `share` of all lie below or at.
+double calcQuantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  return values[std::max<std::size_t>(rank, 1) - 1];
+}
+
+/// What a loop that does nothing but sleep reaches at the same rate, priority and time: the yardstick of the
+/// controller's own periods.
+class ControlLoop {
+ public:
+  ControlLoop() : thread_([this] { run(); }) {}
+  ~ControlLoop() { stop(); }
+
+  void start() { recording_ = true; }
+  std::vector<double> stop() {
+    running_ = false;
+    if (thread_.joinable()) thread_.join();
+    return periods_;
+  }
+
+ private:
+  void run() {
+    raisePriority(kCyclePriority);
+    periods_.reserve(100000);
+    PeriodicWakeUp wake_up(1 / kRate);
+    wake_up.wait();
+    for (double last = steadyNow(); running_;) {
+      wake_up.wait();
+      const double now = steadyNow();
+      if (recording_ && periods_.size() < periods_.capacity()) periods_.push_back(now - last);
+      last = now;
+    }
+  }
+
+  std::atomic<bool> running_{true}, recording_{false};
+  std::vector<double> periods_;  // s
+  std::thread thread_;
+};
+
+/// Listens to the line while the targets run through the part of the curve that counts. All callbacks in one thread.
+class Listener {
+ public:
+  Listener() {
+    const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
+    subscribers_ = {node_.subscribe("targets", 100, &Listener::onTargets, this, hints),
+                    node_.subscribe("actuator_command", 100, &Listener::onCommand, this, hints),
+                    node_.subscribe("controller_state", 100, &Listener::onState, this, hints),
+                    node_.subscribe("plant/effectors", 100, &Listener::onPlant, this, hints),
+                    node_.subscribe("trajectory_time", 100, &Listener::onTime, this, hints)};
+  }
+
+  bool counts() const { return time_ >= kTurn / 2 && time_ <= kTurns * kTurn; }
+  bool done() const { return time_ > kTurns * kTurn; }
+
+  std::vector<double> model_errors, plant_errors;  // m
+  std::vector<double> periods;                     // s
+  std::vector<double> stage_median;                // s, whole cycle
+  std::size_t held = 0, degraded = 0;
+  std::uint64_t first_misses = 0, last_misses = 0;
+
+  /// s from the receipt of a target to that of the first command that used it or a newer one.
+  std::vector<double> calcLatencies() const {
+    std::vector<double> latencies;
+    for (const auto& target : target_receipts_) {
+      const auto use = command_of_target_.lower_bound(target.first);
+      if (use == command_of_target_.end()) continue;
+      const auto command = command_receipts_.find(use->second);
+      if (command != command_receipts_.end()) latencies.push_back(command->second - target.second);
+    }
+    return latencies;
+  }
+
+ private:
+  void onTime(const std_msgs::Float64& message) { time_ = message.data; }
+
+  void onTargets(const EffectorTargets& message) {
+    target_ = toVec3(message.pose.front().position);
+    if (counts()) target_receipts_[message.header.seq] = steadyNow();
+  }
+
+  void onCommand(const ActuatorCommand& message) {
+    if (counts()) command_receipts_[message.sequence] = steadyNow();
+  }
+
+  void onState(const ControllerState& message) {
+    if (!counts()) return;
+    if (periods.empty()) first_misses = message.deadline_misses;
+    last_misses = message.deadline_misses;
+    periods.push_back(message.period);
+    model_errors.push_back(message.effectors.front().error);
+    stage_median.push_back(message.stages.back().median);
+    if (message.status == ControllerState::HELD) ++held;
+    if (message.status == ControllerState::DEGRADED) ++degraded;
+    for (const InputStamp& input : message.inputs) {
+      const bool is_target = input.topic.size() >= 8 && input.topic.compare(input.topic.size() - 8, 8, "/targets") == 0;
+      if (is_target) command_of_target_.emplace(input.sequence, message.sequence);
+    }
+  }
+
+  void onPlant(const EffectorTargets& message) {
+    if (counts()) plant_errors.push_back((toVec3(message.pose.front().position) - target_).norm());
+  }
+
+  ros::NodeHandle node_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::atomic<double> time_{-1e9};  // s along the circle
+  Vec3 target_ = Vec3::Zero();
+  std::map<std::uint32_t, double> target_receipts_, command_receipts_;  // s by sequence
+  std::map<std::uint32_t, std::uint32_t> command_of_target_;            // sequences
+};
+
+TEST(TrunkCircle, IsFollowedInTime) {
+  Listener listener;
+  ControlLoop control;
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  const double begin = steadyNow();
+  while (!listener.done() && steadyNow() - begin < kPatience) {
+    if (listener.counts()) control.start();
+    ros::WallDuration(0.02).sleep();
+  }
+  spinner.stop();
+  const std::vector<double> control_periods = control.stop();
+
+  ASSERT_TRUE(listener.done()) << "the circle was not finished within " << kPatience << " s";
+  ASSERT_GT(listener.periods.size(), 0.9 * kRate * (kTurns - 0.5) * kTurn);
+  ASSERT_GT(listener.plant_errors.size(), 100U);
+  expectAtMost("trunk_circle.model_error", 1e3 * calcMean(listener.model_errors), 1.0, "mm");
+  expectAtMost("trunk_circle.plant_error", 1e3 * calcMean(listener.plant_errors), 1.5, "mm");
+  expectAtMost("trunk_circle.held_cycles", static_cast<double>(listener.held), 0, "1");
+  expectAtMost("trunk_circle.degraded_cycles", static_cast<double>(listener.degraded), 0, "1");
+
+  const double period_deviation = std::abs(calcMean(listener.periods) - 1 / kRate);
+  expectAtMost("trunk_circle.mean_period_deviation", 1e3 * period_deviation, 0.05, "ms");
+  ASSERT_GT(control_periods.size(), 100U);
+  const double allowed = calcQuantile(control_periods, 0.999) + 0.5e-3;
+  expectAtMost("trunk_circle.period_p99.9", 1e3 * calcQuantile(listener.periods, 0.999), 1e3 * allowed, "ms");
+  const std::vector<double> latencies = listener.calcLatencies();
+  ASSERT_GT(latencies.size(), 100U);
+  expectAtMost("trunk_circle.latency_p99", 1e3 * calcQuantile(latencies, 0.99), 1e3 / kRate + 2, "ms");
+  std::printf("cycle median %.2f ms, latency median %.2f ms, deadline misses %lu\n",
+              1e3 * calcQuantile(listener.stage_median, 0.5), 1e3 * calcQuantile(latencies, 0.5),
+              static_cast<unsigned long>(listener.last_misses - listener.first_misses));
+}
+
+}  // namespace
+}  // namespace sinew
+
+int main(int argc, char** argv) {
+  const std::string not_allowed = sinew::requestRealTime();
+  if (!not_allowed.empty()) std::printf("not in real time: %s\n", not_allowed.c_str());
+  ::testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "trunk_circle_test");
+  return RUN_ALL_TESTS();
+}
