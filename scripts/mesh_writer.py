@@ -45,8 +45,8 @@ def gmsh_session(verbose=False):
 
 def fill_with_tetrahedra(element):
     """Meshes the volumes of the current model; `element` is the edge length in the model's unit."""
-    gmsh.option.setNumber("Mesh.MeshSizeMax", element)
-    gmsh.option.setNumber("Mesh.MeshSizeMin", element)
+    gmsh.option.setNumber("Mesh.CharacteristicLengthMax", element)
+    gmsh.option.setNumber("Mesh.CharacteristicLengthMin", element)
     gmsh.option.setNumber("Mesh.Algorithm", 6)  # frontal Delaunay
     gmsh.option.setNumber("Mesh.OptimizeThreshold", 0.5)
     gmsh.model.mesh.generate(3)

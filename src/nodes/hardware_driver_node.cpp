@@ -162,9 +162,7 @@ bool HardwareDriverNode::takeInputs() {
   if (request != kNoRequest) {
     auto_init_ = false;
     const bool taken = driver_.request(static_cast<DriverRequest>(request));
-    // The outcome must not be read from a report of before.
-    if (taken) driver_.update(Clock::now());
-    for_services_.write(driver_.report());
+    for_services_.write(driver_.report());  // the outcome must not be read from a report of before
     answer_ = taken ? Answer::kTaken : Answer::kRefused;
   }
   retryInit();
@@ -243,7 +241,6 @@ void HardwareDriverNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("packets missing", report.bus.missing);
   status.add("packets stale", report.bus.stale);
   status.add("packets with device error", report.bus.device_error);
-  status.add("readings late by the servo's clock", report.late_readings);
   for (std::size_t i = 0; i < report.servos.size(); ++i) {
     const ServoReading& servo = report.servos[i];
     status.addf(message_.name[i], "%.1f V, %.0f degC, %.1f N, zero %s, fault 0x%X", servo.voltage, servo.temperature,

@@ -2,12 +2,18 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PoseStamped.h>
+#include <pthread.h>
 #include <ros/ros.h>
 #include <sinew/BodyState.h>
 #include <sinew/EffectorTargets.h>
+#if __has_include(<sinew/InjectFault.h>)
 #include <sinew/InjectFault.h>
+#define SINEW_INJECT
+#endif
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <string>
@@ -23,6 +29,7 @@
 #include "simulated_robot_node_settings.h"
 #include "simulated_robot_node_tracker.h"
 #include "simulated_robot_node_winches.h"
+#include "sinew/common/newest_wins.h"
 #include "sinew/hardware/pseudo_terminal.h"
 #include "sinew/hardware/simulated_servo_bus.h"
 
@@ -38,12 +45,20 @@ geometry_msgs::Pose makePose(const VecX& effectors, size_t effector) {
   return pose;
 }
 
+/// Takes the calling thread out of real-time scheduling.
+void giveWay() {
+  const sched_param none{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &none);
+}
+
 class SimulatedRobotNode {
  public:
   SimulatedRobotNode(ros::NodeHandle node, ros::NodeHandle private_node, const SimulatedRobotSettings& settings)
       : settings_(settings),
         plant_(settings.robot, settings.deviations),
         bus_(settings.ids(), settings.baud),
+        reeled_in_(VecX::Zero(bus_.size())),
+        tension_(VecX::Zero(bus_.size())),
         faults_(bus_, settings.actuators(), settings.line, [this](double duration) { disconnect(duration); }),
         tracker_(settings.tracker),
         node_(node),
@@ -63,7 +78,7 @@ class SimulatedRobotNode {
   }
 
  private:
-  void advertise(ros::NodeHandle& private_node) {
+  void advertise([[maybe_unused]] ros::NodeHandle& private_node) {
     const RobotDescription& description = plant_.robot().description();
     effectors_message_.header.frame_id = description.frame;
     for (const EffectorDescription& effector : description.effectors) {
@@ -74,7 +89,9 @@ class SimulatedRobotNode {
     effectors_ = node_.advertise<EffectorTargets>("plant/effectors", 10);
     body_message_ = makeBodyMessage(plant_.robot());
     body_ = node_.advertise<BodyState>("plant/body_state", 2);
+#ifdef SINEW_INJECT
     inject_ = private_node.advertiseService("inject", &SimulatedRobotNode::onInject, this);
+#endif
     diagnostics_.setHardwareID("simulated");
     diagnostics_.add("simulated robot", this, &SimulatedRobotNode::diagnose);
     diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) {
@@ -85,8 +102,8 @@ class SimulatedRobotNode {
   void connect() {
     terminal_ = std::make_unique<PseudoTerminal>(settings_.port_link);
     bus_.start(*terminal_);
-    ROS_INFO("servos answer at %s", settings_.port_link.empty() ? terminal_->path().c_str()
-                                                                : settings_.port_link.c_str());
+    ROS_INFO("servos answer at %s",
+             settings_.port_link.empty() ? terminal_->path().c_str() : settings_.port_link.c_str());
   }
 
   void disconnect(double duration) {
@@ -104,6 +121,7 @@ class SimulatedRobotNode {
     }
   }
 
+#ifdef SINEW_INJECT
   bool onInject(InjectFault::Request& request, InjectFault::Response& response) {
     const FaultDesk::Answer answer = faults_.inject(request.fault, request.actuator, request.value);
     response.success = answer.success;
@@ -111,6 +129,7 @@ class SimulatedRobotNode {
     if (answer.success) ROS_INFO("injected: %s", answer.message.c_str());
     return true;
   }
+#endif
 
   void moveServos() {
     PeriodicWakeUp wake_up(kServoPeriod);
@@ -118,23 +137,28 @@ class SimulatedRobotNode {
     while (running_) {
       wake_up.wait();
       const double now = steadyNow();
+      if (tension_.update()) applyTension(tension_.front(), settings_.winches, bus_);
       bus_.step(now - moved_until);
       moved_until = now;
+      calcReeledIn(bus_, settings_.winches, reeled_in_.back());
+      reeled_in_.publish();
       servo_load_.update();
     }
   }
 
+  // The servos have to answer in time whatever the machine does; the body may take what is left.
   void moveBody() {
+    giveWay();
     PeriodicWakeUp wake_up(1 / settings_.plant_rate);
-    VecX reeled_in = VecX::Zero(bus_.size());
-    const int steps_per_display = std::max(1, static_cast<int>(std::lround(settings_.plant_rate / settings_.display_rate)));
+    const int steps_per_display =
+        std::max(1, static_cast<int>(std::lround(settings_.plant_rate / settings_.display_rate)));
     for (int step = 0; running_; ++step) {
       wake_up.wait();
       const ros::Time stamp = ros::Time::now();
       const double time = steadyNow();
-      calcReeledIn(bus_, settings_.winches, reeled_in);
-      plant_.step(reeled_in, wake_up.period());
-      applyTension(plant_.simulator().effort(), settings_.winches, bus_);
+      reeled_in_.update();
+      plant_.step(reeled_in_.front(), wake_up.period());
+      tension_.write(plant_.simulator().effort());
       track(stamp, time);
       publishEffectors(stamp);
       if (step % steps_per_display == 0) publishBody(stamp);
@@ -214,6 +238,8 @@ class SimulatedRobotNode {
   const SimulatedRobotSettings settings_;
   SimulatedPlant plant_;  // body thread
   SimulatedServoBus bus_;
+  NewestWins<VecX> reeled_in_;  // m, from the servos to the body
+  NewestWins<VecX> tension_;    // N, back
   FaultDesk faults_;
   SimulatedTracker tracker_;  // body thread
   std::unique_ptr<PseudoTerminal> terminal_;
@@ -239,7 +265,9 @@ class SimulatedRobotNode {
 }  // namespace sinew
 
 int main(int argc, char** argv) {
+  const std::string not_allowed = sinew::requestRealTime();
   ros::init(argc, argv, "simulated_robot");
+  if (!not_allowed.empty()) ROS_WARN("on a busy machine servos may answer late: %s", not_allowed.c_str());
   try {
     const ros::NodeHandle private_node("~");
     sinew::SimulatedRobotNode node(ros::NodeHandle(), private_node, sinew::readSimulatedRobotSettings(private_node));

@@ -30,8 +30,9 @@ FaultDesk::FaultDesk(SimulatedServoBus& bus, std::vector<std::string> actuators,
 
 FaultDesk::Answer FaultDesk::inject(const std::string& fault, const std::string& actuator, double value) {
   if (!std::isfinite(value)) return refuse(fault, value, "the value must be finite");
-  Answer answer{false, "unknown fault '" + fault +
-                           "': it is one of corrupt, drop, delay, freeze, overheat, supply_dip, disconnect, power_cycle"};
+  Answer answer{false,
+                "unknown fault '" + fault +
+                    "': it is one of corrupt, drop, delay, freeze, overheat, supply_dip, disconnect, power_cycle"};
   if (fault == "corrupt" || fault == "drop" || fault == "delay") answer = injectInLine(fault, value);
   if (fault == "freeze" || fault == "overheat" || fault == "power_cycle") {
     answer = injectInServos(fault, actuator, value);

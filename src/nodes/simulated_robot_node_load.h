@@ -1,9 +1,8 @@
 #pragma once
 
-#include <ctime>
-
 #include <atomic>
 #include <chrono>
+#include <ctime>
 
 namespace sinew {
 

@@ -10,6 +10,7 @@ namespace sinew {
 namespace {
 
 constexpr double kSettleTolerance = 1e-6;  // of the load
+constexpr int kSettleSteps = 60;
 
 VecX makeCableZero(const std::vector<double>& values, int actuators) {
   if (values.empty()) return VecX::Zero(actuators);
@@ -46,9 +47,11 @@ SimulatedPlant::SimulatedPlant(const RobotDescription& drawn, const PlantDeviati
 
 void SimulatedPlant::settle() {
   actuation_.value = cable_zero_;
-  if (simulator_.settle(actuation_, kSettleTolerance) == ForwardStatus::kSolved) return;
-  throw ConfigError("the simulated body finds no equilibrium under gravity and its cable zeros: check stiffness, "
-                    "gravity and zeros");
+  simulator_.settle(actuation_, kSettleTolerance, kSettleSteps);
+  if (simulator_.residualRelative() <= kSettleTolerance) return;
+  throw ConfigError(
+      "the simulated body finds no equilibrium under gravity and its cable zeros: check stiffness, "
+      "gravity and zeros");
 }
 
 void SimulatedPlant::step(const VecX& reeled_in, double period) {

@@ -11,9 +11,9 @@ namespace sinew {
 
 /// How the robot that is built differs from the one that was drawn.
 struct PlantDeviations {
-  double stiffness_factor = 1;          ///< 1, on every Young's modulus
-  double gravity_tilt = 0;              ///< rad, the mounting turned about the robot frame's x axis
-  std::vector<double> cable_zero;       ///< m per actuator: reeled in when the servo stands at its zero; empty for none
+  double stiffness_factor = 1;     ///< 1, on every Young's modulus
+  double gravity_tilt = 0;         ///< rad, the mounting turned about the robot frame's x axis
+  std::vector<double> cable_zero;  ///< m per actuator: reeled in when the servo stands at its zero; empty for none
 };
 
 /// The description of the robot as built. Throws ConfigError when a deviation makes no sense.
@@ -29,8 +29,8 @@ class SimulatedPlant {
   /// Hangs at rest, servos at their zeros. Throws ConfigError when the body finds no equilibrium.
   void settle();
 
-  /// Moves on by `period` [s] with `reeled_in` [m per actuator, by the servos' angles]. A step that fails leaves the body
-  /// where it was, or at rest when nothing finite is left of it, and is counted.
+  /// Moves on by `period` [s] with `reeled_in` [m per actuator, by the servos' angles]. A step that fails leaves the
+  /// body where it was, or at rest when nothing finite is left of it, and is counted.
   void step(const VecX& reeled_in, double period);
 
   const ForwardSimulator& simulator() const { return simulator_; }

@@ -21,9 +21,9 @@ struct SimulatedRobotSettings {
   std::vector<Winch> winches;  ///< in the order of the robot's cables
   int baud = 1000000;
   LineFaults line;
-  std::string port_link;       ///< where the driver finds its port; empty for none
-  double plant_rate = 50;      ///< Hz
-  double display_rate = 15;    ///< Hz
+  std::string port_link;     ///< where the driver finds its port; empty for none
+  double plant_rate = 50;    ///< Hz
+  double display_rate = 15;  ///< Hz
   SimulatedTracker::Parameters tracker;
 
   std::vector<std::uint8_t> ids() const;

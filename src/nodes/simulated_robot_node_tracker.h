@@ -12,9 +12,9 @@ namespace sinew {
 class SimulatedTracker {
  public:
   struct Parameters {
-    double rate = 60;         ///< Hz
-    double latency = 0;       ///< s from the exposure to the arrival of its sample
-    double noise = 0;         ///< m, standard deviation per axis
+    double rate = 60;    ///< Hz
+    double latency = 0;  ///< s from the exposure to the arrival of its sample
+    double noise = 0;    ///< m, standard deviation per axis
     std::uint32_t seed = 1;
   };
   struct Sample {

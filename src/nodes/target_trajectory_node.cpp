@@ -31,9 +31,29 @@ const EffectorDescription& findEffector(const RobotDescription& robot, const Par
   parameters.fail(key, name, "an effector of the robot");
 }
 
-/// The centre of a curve: on the robot's z axis, at the effector's height at rest.
-Vec3 calcCentre(const EffectorDescription& effector) {
-  return Vec3(0, 0, effector.point.z());
+constexpr double kShortening = 0.02;  // 1, of the body by its cables, so that they stay taut
+
+/// Centre of a horizontal curve of `radius` [m] on the robot's z axis, where cables that only pull can bring the end of
+/// a slender body of rest length L: an arc of constant curvature that ends r from the axis ends L - 2/3 r^2 / L along
+/// it, up to r^4.
+Vec3 calcCentre(const EffectorDescription& effector, double radius) {
+  const double length = effector.point.z();
+  if (length == 0) return Vec3::Zero();
+  return Vec3(0, 0, (1 - kShortening) * length - 2.0 / 3.0 * radius * radius / length);
+}
+
+/// The same for the tip of an S of two arcs: the first, of length a, ends m = a t1 / 2 off the axis with slope t1; the
+/// second, of length b, turns back by t2 and ends r on the other side, b t2 / 2 = r + m + b t1. Its height along the
+/// axis is shorter than its length by the integral of half the slope squared, b (t1^2 - t1 t2 + t2^2 / 3) / 2.
+Vec3 calcSCentre(const EffectorDescription& tip, double radius, const EffectorDescription& middle,
+                 double middle_radius) {
+  const double a = middle.point.z();
+  const double b = tip.point.z() - a;
+  if (a == 0 || b == 0) return calcCentre(tip, radius);
+  const double t1 = 2 * middle_radius / a;
+  const double t2 = 2 * (radius + middle_radius + b * t1) / b;
+  const double drop = b * (t1 * t1 - t1 * t2 + t2 * t2 / 3) / 2;
+  return calcCentre(middle, middle_radius) + Vec3(0, 0, (1 - kShortening) * b - drop);
 }
 
 TargetTrajectory makeTrajectory(const Parameters& parameters, const RobotDescription& robot) {
@@ -43,19 +63,21 @@ TargetTrajectory makeTrajectory(const Parameters& parameters, const RobotDescrip
     return TargetTrajectory::readCsv(kind);
   }
   const EffectorDescription& tip = findEffector(robot, parameters, "effector", robot.effectors.front().name);
-  const Vec3 centre = parameters.vec3Or("centre", calcCentre(tip));
   const double radius = parameters.numberOr("radius", 0.04, 1e-6);
   TrajectoryTiming timing;
   timing.period = parameters.numberOr("period", 8, 1e-3);
   timing.turns = parameters.numberOr("turns", 2, 1e-3);
-  if (kind == "circle") return TargetTrajectory::makeCircle(tip.name, centre, radius, timing);
-  if (kind == "square") return TargetTrajectory::makeSquare(tip.name, centre, radius, timing);
   if (kind == "s_shape") {
     const EffectorDescription& middle = findEffector(robot, parameters, "middle_effector", "middle");
-    return TargetTrajectory::makeSShape(tip.name, centre, radius, middle.name,
-                                        parameters.vec3Or("middle_centre", calcCentre(middle)),
-                                        parameters.numberOr("middle_radius", radius / 2, 0), timing);
+    const double middle_radius = parameters.numberOr("middle_radius", radius / 8, 0);
+    const Vec3 tip_centre = parameters.vec3Or("centre", calcSCentre(tip, radius, middle, middle_radius));
+    const Vec3 middle_centre = parameters.vec3Or("middle_centre", calcCentre(middle, middle_radius));
+    return TargetTrajectory::makeSShape(tip.name, tip_centre, radius, middle.name, middle_centre, middle_radius,
+                                        timing);
   }
+  const Vec3 centre = parameters.vec3Or("centre", calcCentre(tip, radius));
+  if (kind == "circle") return TargetTrajectory::makeCircle(tip.name, centre, radius, timing);
+  if (kind == "square") return TargetTrajectory::makeSquare(tip.name, centre, radius, timing);
   parameters.fail("trajectory", kind, "circle, square, s_shape or the path of a .csv file");
 }
 

@@ -20,15 +20,15 @@
 namespace sinew {
 namespace {
 
-constexpr double kStale = 1.0;           // s after which a message is drawn no more
-constexpr double kTrailSpacing = 0.02;   // s between two points of a trail
-constexpr double kHandleSize = 0.18;     // of the body's extent
-constexpr double kTrailWidth = 0.004;    // of the body's extent
-constexpr double kDefaultReach = 0.45;   // radius of the default workspace, of the body's extent
+constexpr double kStale = 1.0;          // s after which a message is drawn no more
+constexpr double kTrailSpacing = 0.02;  // s between two points of a trail
+constexpr double kHandleSize = 0.18;    // of the body's extent
+constexpr double kTrailWidth = 0.004;   // of the body's extent
+constexpr double kDefaultReach = 0.45;  // radius of the default workspace, of the body's extent
 
-const Colour kSilicone(0.96, 0.70, 0.55, 0.60);
-const Colour kSiliconeEdges(0.45, 0.22, 0.15, 0.22);
-const Colour kPlant(0.45, 0.60, 0.85, 0.22);
+const Colour kSilicone(0.98, 0.66, 0.48, 0.62);
+const Colour kSiliconeEdges(0.45, 0.20, 0.12, 0.25);
+const Colour kPlant(0.35, 0.55, 0.90, 0.20);
 const Colour kTrailColour(0.10, 0.75, 0.35, 1.0);
 const Colour kTargetTrailColour(0.98, 0.55, 0.05, 0.45);
 
@@ -43,8 +43,8 @@ struct Settings {
 
 Settings readSettings(const Parameters& parameters) {
   Settings settings;
-  settings.rate = parameters.numberOr("rate", 30, 1, 200);
-  settings.trail_duration = parameters.numberOr("trail_duration", 6, 0.1, 600);
+  settings.rate = parameters.numberOr("rate", 20, 1, 200);
+  settings.trail_duration = parameters.numberOr("trail_duration", 10, 0.1, 600);
   settings.world_frame = parameters.textOr("world_frame", "world");
   settings.interactive = parameters.flagOr("interactive", true);
   Workspace& workspace = settings.workspace;

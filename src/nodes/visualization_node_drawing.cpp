@@ -21,8 +21,8 @@ const Colour kTargetColour(0.98, 0.55, 0.05, 0.9);
 const Colour kErrorColour(0.95, 0.25, 0.55, 1.0);
 const Colour kLimitColour(0.90, 0.05, 0.05, 1.0);
 
-constexpr double kAmbient = 0.42;
-constexpr double kKey = 0.62;
+constexpr double kAmbient = 0.55;
+constexpr double kKey = 0.52;
 constexpr double kFill = 0.22;
 
 // Strokes as parts of the body's extent.
@@ -46,7 +46,9 @@ std_msgs::ColorRGBA toRgba(const Colour& colour) {
   return message;
 }
 
-Vec3 toVec3(const geometry_msgs::Point32& point) { return Vec3(point.x, point.y, point.z); }
+Vec3 toVec3(const geometry_msgs::Point32& point) {
+  return Vec3(point.x, point.y, point.z);
+}
 
 Marker makeMarker(const std_msgs::Header& header, const std::string& name, int id, int type) {
   Marker marker;
@@ -144,14 +146,14 @@ void addTube(const Vec3& a, const Vec3& b, double radius, const Colour& colour, 
   }
 }
 
+/// Root of tension over its limit: tells small tensions apart, and is 1 at the limit.
 double calcTensionRatio(const BodyState& body, size_t cable) {
   const double most = body.cable_tension_max[cable];
   if (!std::isfinite(most) || most <= 0) return 0;
-  return std::min(1.0, std::max(0.0, body.cable_tension[cable] / most));
+  return std::sqrt(std::min(1.0, std::max(0.0, body.cable_tension[cable] / most)));
 }
 
-void addCables(const BodyState& body, const BodyStyle& style, const Light& light, double extent,
-               MarkerArray& markers) {
+void addCables(const BodyState& body, const BodyStyle& style, const Light& light, double extent, MarkerArray& markers) {
   Marker tubes = makeMarker(body.header, style.name + "cables", 0, Marker::TRIANGLE_LIST);
   Marker heads = makeSpheres(body.header, style.name + "pull_points", kPullPointRadius * extent, Colour::Ones());
   size_t first = 0;
@@ -178,8 +180,27 @@ std::string describe(const ActiveLimit& limit) {
   return text.str();
 }
 
+/// Mean of the pull points [m].
+Vec3 calcPullCentre(const BodyState& body) {
+  Vec3 sum = Vec3::Zero();
+  size_t first = 0;
+  for (const uint32_t size : body.cable_size) {
+    if (size > 0) sum += toVec3(body.cable_points[first]);
+    first += size;
+  }
+  return sum / std::max<double>(1, static_cast<double>(body.cable_size.size()));
+}
+
+/// Beside the body, on the side of the pull point.
+Vec3 calcTextPlace(const Vec3& centre, const Vec3& pull_point, double extent) {
+  const Vec3 arm = pull_point - centre;
+  return arm.norm() > 1e-9 ? Vec3(pull_point + 0.35 * extent * arm.normalized()) : pull_point;
+}
+
 /// A cable that is slack is at rest, not in trouble.
-bool isWorthShowing(const ActiveLimit& limit) { return limit.kind != ActiveLimit::EFFORT_MIN; }
+bool isWorthShowing(const ActiveLimit& limit) {
+  return limit.kind != ActiveLimit::EFFORT_MIN;
+}
 
 }  // namespace
 
@@ -207,8 +228,8 @@ bool isConsistent(const BodyState& body) {
   if (body.cable_tension_max.size() != cables) return false;
   size_t points = 0;
   for (const uint32_t size : body.cable_size) points += size;
-  return points == body.cable_points.size() &&
-         std::all_of(body.triangles.begin(), body.triangles.end(), [&](uint32_t i) { return i < body.vertices.size(); });
+  return points == body.cable_points.size() && std::all_of(body.triangles.begin(), body.triangles.end(),
+                                                           [&](uint32_t i) { return i < body.vertices.size(); });
 }
 
 double calcExtent(const BodyState& body) {
@@ -252,6 +273,7 @@ void addEffectors(const ControllerState& state, double extent, MarkerArray& mark
 
 void addLimits(const ControllerState& state, const BodyState& body, double extent, MarkerArray& markers) {
   Marker heads = makeSpheres(body.header, "limit_heads", 1.5 * kPullPointRadius * extent, kLimitColour);
+  const Vec3 centre = calcPullCentre(body);
   int id = 0;
   for (const ActiveLimit& limit : state.limits) {
     if (!isWorthShowing(limit)) continue;
@@ -261,7 +283,7 @@ void addLimits(const ControllerState& state, const BodyState& body, double exten
       const geometry_msgs::Point head = toPoint(toVec3(body.cable_points[first]));
       heads.points.push_back(head);
       Marker text = makeMarker(body.header, "limit_texts", id++, Marker::TEXT_VIEW_FACING);
-      text.pose.position = head;
+      text.pose.position = toPoint(calcTextPlace(centre, toVec3(body.cable_points[first]), extent));
       text.scale.z = kTextHeight * extent;
       text.color = toRgba(kLimitColour);
       text.text = describe(limit);

@@ -29,7 +29,7 @@ struct Light {
 struct BodyStyle {
   std::string name;  ///< prefix of the marker namespaces
   Colour silicone;
-  Colour edges;      ///< opacity 0 leaves them out
+  Colour edges;  ///< opacity 0 leaves them out
   bool cables = true;
 };
 

@@ -27,7 +27,7 @@ class TargetHandles {
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
   struct Handle {
-    Vec3 position;  ///< m, as shown
+    Vec3 position;            ///< m, as shown
     ros::SteadyTime touched;  ///< last sign of the user's hand; rviz gives one every 0.25 s of a drag
   };
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "mesh/bar_mesh.h"
 #include "sinew/common/config_error.h"

@@ -20,13 +20,17 @@
 
 namespace sinew {
 
-/// A folder of its own that is removed at the end.
+/// A folder of its own that is removed at the end; in memory where the system has such a place.
 class TempFolder {
  public:
   TempFolder() {
     std::random_device random;
-    folder_ = std::filesystem::temp_directory_path() / ("sinew_mesh_" + std::to_string(random()));
-    std::filesystem::create_directories(folder_);
+    const std::string name = "sinew_mesh_" + std::to_string(random());
+    std::error_code error;
+    folder_ = std::filesystem::path("/dev/shm") / name;
+    if (std::filesystem::create_directory(folder_, error)) return;
+    folder_ = std::filesystem::temp_directory_path() / name;
+    std::filesystem::create_directory(folder_);
   }
   ~TempFolder() {
     std::error_code ignored;
@@ -177,7 +181,8 @@ class VtkBuilder {
     std::int64_t offset = 0;
     file_.number(offset);
     for (const Cell& cell : cells_) file_.number(offset += static_cast<std::int64_t>(cell.points.size()));
-    file_.line().line("CONNECTIVITY vtktypeint64");
+    file_.line().line("METADATA").line("INFORMATION 0").line();
+    file_.line("CONNECTIVITY vtktypeint64");
     for (const Cell& cell : cells_) {
       for (const int point : cell.points) file_.number(static_cast<std::int64_t>(point));
     }

@@ -160,6 +160,31 @@ TEST_F(ReadMeshTest, SurvivesDamagedBytes) {
   EXPECT_GT(meshes_, 300);
 }
 
+TEST_F(ReadMeshTest, SurvivesHugeNumbersInEveryPlace) {
+  const std::string huge = "999999999";
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (const NamedFile& file : makeFilesOfEveryKind()) {
+    for (std::size_t at = 0; at < file.bytes.size();) {
+      std::size_t end = at;
+      while (end < file.bytes.size() && is_digit(file.bytes[end])) ++end;
+      if (end > at) readDamaged(file.name, std::string(file.bytes).replace(at, end - at, huge));
+      at = end + 1;
+    }
+  }
+  EXPECT_GT(errors_, 300);
+}
+
+TEST_F(ReadMeshTest, SurvivesHugeBinaryNumbersInEveryPlace) {
+  const std::string little("\xff\xff\xff\x3f\0\0\0\0", 8);
+  const std::string big(little.rbegin(), little.rend());
+  for (const NamedFile& file : makeFilesOfEveryKind()) {
+    for (std::size_t at = 0; at + 8 <= file.bytes.size(); at += 4) {
+      readDamaged(file.name, std::string(file.bytes).replace(at, 8, file.name == "mesh.msh" ? little : big));
+    }
+  }
+  EXPECT_GT(errors_, 300);
+}
+
 /// Points just outside a mesh of mixed cells are carried by it, and it is known how far outside they are.
 TEST_F(ReadMeshTest, EmbedsPointsJustOutside) {
   VtkOptions options;

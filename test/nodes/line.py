@@ -4,7 +4,9 @@ import os
 import threading
 import time
 import unittest
+import xmlrpc.client
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 from std_srvs.srv import Trigger
@@ -82,6 +84,15 @@ class LineTest(unittest.TestCase):
                 return result
             time.sleep(0.01)
         self.fail("waited %g s in vain for: %s" % (timeout, what))
+
+
+def find_pid(node):
+    """Process id of the node, asked of the node itself."""
+    caller = rospy.get_name()
+    uri = rosgraph.Master(caller).lookupNode(rospy.resolve_name(node))
+    code, message, pid = xmlrpc.client.ServerProxy(uri).getPid(caller)
+    assert code == 1, message
+    return pid
 
 
 def call(service):

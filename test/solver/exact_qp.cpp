@@ -47,7 +47,9 @@ Program makeProgram(const QpProblem& problem) {
 
 ExactAnswer solveExactly(const QpProblem& problem) {
   const Program program = makeProgram(problem);  // the solution refers to it
-  const auto solution = CGAL::solve_quadratic_program(program, CGAL::Gmpzf());
+  CGAL::Quadratic_program_options options;
+  options.set_pricing_strategy(CGAL::QP_BLAND);
+  const auto solution = CGAL::solve_quadratic_program(program, CGAL::Gmpzf(), options);
   if (solution.is_infeasible()) return {QpStatus::kInfeasible, 0};
   if (solution.is_unbounded()) return {QpStatus::kUnbounded, 0};
   return {QpStatus::kSolved, CGAL::to_double(solution.objective_value())};

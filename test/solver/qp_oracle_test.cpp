@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "check_line.h"
 #include "sinew/solver/dense_qp.h"
 #include "solver/exact_qp.h"
 #include "solver/qp_check.h"
@@ -21,9 +22,8 @@ constexpr double kBound = 1e-9;
 
 /// Records a worst figure for the test report and for scripts, and holds it against its bound.
 void expectAtMost(const std::string& name, double value, double bound) {
-  std::cout << "check=qp_oracle." << name << " value=" << value << " op=<= bound=" << bound << " unit=1\n";
   testing::Test::RecordProperty(name, std::to_string(value));
-  EXPECT_LE(value, bound) << name;
+  checkFigure("qp_oracle." + name, value, "<=", bound, "1");
 }
 
 struct Worst {
@@ -56,29 +56,43 @@ bool isStrictlyConvex(const QpProblem& problem) {
   return Eigen::SelfAdjointEigenSolver<MatX>(problem.G).eigenvalues().minCoeff() > 1e-3;
 }
 
-/// Solves a neighbour of the problem first, so that the active set the solver starts from is near but not right.
-void addWarmStart(const QpProblem& problem, const QpSolution& cold, std::mt19937& random, DenseQp& solver,
-                  Worst& worst) {
+/// The problem with a slope a little off, so that its active set is near the right one.
+QpProblem makeNeighbour(const QpProblem& problem, std::mt19937& random) {
   QpProblem neighbour = problem;
   std::normal_distribution<double> normal;
   for (int i = 0; i < problem.variables; ++i) neighbour.g(i) += 0.1 * normal(random);
+  return neighbour;
+}
+
+/// Solves `problem` from the active set of `first`.
+QpSolution addWarmStart(const QpProblem& first, const QpProblem& problem, const QpSolution& cold, Worst& worst) {
+  DenseQp solver(problem.variables, problem.rows);
   QpSolution warm(problem.variables, problem.rows);
-  solver.solve(neighbour, warm);
+  solver.solve(first, warm);
   worst.status_mismatches += solver.solve(problem, warm) != cold.status;
-  if (cold.status != QpStatus::kSolved) return;
+  if (cold.status != QpStatus::kSolved) return warm;
   worst.warm_objective = std::max(worst.warm_objective, relativeDifference(warm.objective, cold.objective));
   worst.kkt = std::max(worst.kkt, kktError(problem, warm));
-  worst.cold_iterations += cold.iterations;
-  worst.warm_iterations += warm.iterations;
   if (isStrictlyConvex(problem))
     worst.warm_point = std::max(worst.warm_point, largest(warm.x - cold.x) / std::max(1.0, largest(cold.x)));
+  return warm;
+}
+
+/// From a near active set, which saves iterations, and from that of a stranger, which may not hurt.
+void addWarmStarts(const QpProblem& problem, const QpSolution& cold, std::mt19937& random, Worst& worst) {
+  const QpSolution warm = addWarmStart(makeNeighbour(problem, random), problem, cold, worst);
+  if (cold.status == QpStatus::kSolved) {
+    worst.cold_iterations += cold.iterations;
+    worst.warm_iterations += warm.iterations;
+  }
+  addWarmStart(makeFeasibleQp(problem.variables, problem.rows, random), problem, cold, worst);
 }
 
 /// Mostly small, where degenerate cases abound and exact arithmetic is quick.
 QpProblem drawProblem(int index, std::mt19937& random) {
-  const bool large = index % 25 == 0;
-  const int variables = std::uniform_int_distribution<int>(1, large ? 10 : 5)(random);
-  const int rows = std::uniform_int_distribution<int>(0, large ? 40 : 12)(random);
+  const bool large = index / 5 % 5 == 0;
+  const int variables = std::uniform_int_distribution<int>(1, large ? 10 : 6)(random);
+  const int rows = std::uniform_int_distribution<int>(0, large ? 40 : 24)(random);
   switch (index % 5) {
     case 0:
     case 1:
@@ -114,13 +128,13 @@ TEST(QpOracle, AgreesWithExactArithmetic) {
       worst.objective = std::max(worst.objective, error);
     }
     addProof(problem, solution, worst);
-    addWarmStart(problem, solution, random, solver, worst);
+    addWarmStarts(problem, solution, random, worst);
   }
   std::cout << worst.solved << " solved, " << worst.infeasible << " infeasible, " << worst.unbounded << " unbounded; "
             << worst.cold_iterations << " iterations cold, " << worst.warm_iterations << " warm\n";
   EXPECT_GT(worst.solved, kExactProblems / 3);
   EXPECT_GT(worst.infeasible, kExactProblems / 10);
-  EXPECT_GT(worst.unbounded, kExactProblems / 50);
+  EXPECT_GT(worst.unbounded, kExactProblems / 100);
   EXPECT_LT(worst.warm_iterations, worst.cold_iterations / 2);
   expectAtMost("status_mismatches", worst.status_mismatches, 0);
   expectAtMost("objective", worst.objective, kBound);
@@ -147,7 +161,7 @@ TEST(QpOracle, LargeProblemsProveThemselves) {
     EXPECT_EQ(static_cast<int>(solution.status), static_cast<int>(expected)) << describe(problem, index);
     worst.status_mismatches += solution.status != expected;
     addProof(problem, solution, worst);
-    addWarmStart(problem, solution, random, solver, worst);
+    addWarmStarts(problem, solution, random, worst);
   }
   std::cout << worst.cold_iterations << " iterations cold, " << worst.warm_iterations << " warm\n";
   expectAtMost("large_status_mismatches", worst.status_mismatches, 0);

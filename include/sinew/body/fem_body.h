@@ -21,7 +21,7 @@ struct StepRule {
 ///   dynamic  A = (1 + beta/h) K + (1/h^2 + alpha/h) M,  b = f + f_ext + M (v - (x - x0)/h)/h - D (x - x0)/h
 /// with D = alpha M + beta K, x0 the position at the start of the step and x that of the present iterate: backward Euler
 /// solved for dx = h dv, so that W = H A^-1 H^T and efforts are forces in both. Actuators add their efforts to `load()`
-/// and their load stiffness to `matrix()` between `linearise` and `factorise`.
+/// and their load stiffness to `matrix()` between `linearise` and `factorise`, and likewise to the static pair.
 class FemBody {
  public:
   FemBody(const FemModel& model, const Vec3& gravity);
@@ -33,12 +33,12 @@ class FemBody {
   /// Marks the present configuration as the start of a step; `linearise` and `advance` may then repeat within it.
   void beginStep();
   void linearise(const StepRule& rule, Tangent tangent = Tangent::kExact);
-  VecX& load() { return load_; }                ///< b, natural order
-  const VecX& load() const { return load_; }
-  BlockMatrix& matrix() { return data_.tangent; }
-  /// Elastic and gravity forces of the linearisation point, without inertia: with the actuators' it is the imbalance.
+  VecX& load() { return load_; }  ///< b, natural order
+  BlockMatrix& matrix() { return dynamic_ ? dynamic_matrix_ : data_.tangent; }  ///< A
+  /// What `load` and `matrix` would be for the static step: K and the forces out of balance.
   VecX& imbalance() { return imbalance_; }
-  bool factorise() { return cholesky_.factorise(data_.tangent); }
+  BlockMatrix& stiffness() { return data_.tangent; }
+  bool factorise(const BlockMatrix& matrix) { return cholesky_.factorise(matrix); }
   SparseCholesky& cholesky() { return cholesky_; }
 
   /// Moves the free nodes by `scale` dx, where `scale` <= 1 keeps every node's way below `max_node_step`; returns it.
@@ -53,6 +53,8 @@ class FemBody {
  private:
   const FemModel* model_;
   FemData data_;
+  BlockMatrix dynamic_matrix_;
+  bool dynamic_ = false;
   SparseCholesky cholesky_;
   std::vector<Vec3> positions_;
   std::vector<Vec3> start_;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "sinew/hardware/byte_stream.h"
@@ -17,7 +18,8 @@ enum class BusStatus {
   kClosed        ///< the line is gone
 };
 
-/// Status packets that did not come as they should, counted since construction.
+/// Status packets that did not come as they should, counted since construction; what is open at the end of a
+/// transaction is counted with the next.
 struct BusCounters {
   std::uint64_t corrupted = 0;     ///< damaged: wrong CRC, impossible header, noise of a packet's length
   std::uint64_t missing = 0;       ///< expected and never seen in their time
@@ -59,15 +61,17 @@ class DynamixelBus {
   BusStatus clearTurns(std::uint8_t id);
   /// Writes `values[i]` to device `ids[i]`, answered by none.
   BusStatus syncWrite(ServoRegister r, const std::vector<std::uint8_t>& ids, const std::vector<std::int32_t>& values);
+  /// Tells whether the data that device `ids[i]` answered to a read of many can be the answer to the request just made.
+  using Plausible = std::function<bool(std::size_t i, const std::uint8_t* data)>;
   /// Reads `size` (at most SyncAnswer::kMaxSize) bytes from `address` of every device into `answers`, of the same
   /// length as `ids`: in one joint answer (fast sync read) as long as the devices know how, else in one answer each.
   /// kMissing when any part is.
   BusStatus syncRead(std::uint16_t address, std::uint16_t size, const std::vector<std::uint8_t>& ids,
-                     std::vector<SyncAnswer>& answers);
+                     std::vector<SyncAnswer>& answers, const Plausible& plausible = {});
 
   /// Error field of the last single answer.
   std::uint8_t lastError() const { return last_error_; }
-  bool usesFastSyncRead() const { return fast_; }
+  bool usesFastSyncRead() const { return fast_ && plain_reads_left_ == 0; }
   /// Tries the joint answer first again, or never.
   void setFastSyncRead(bool fast);
   const BusCounters& counters() const { return counters_; }
@@ -85,12 +89,17 @@ class DynamixelBus {
   BusStatus receive(InstructionView& packet);
   void settle(std::size_t received);
   void countDamage(std::size_t lost);
-  BusStatus plainSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers);
-  BusStatus fastSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers);
+  BusStatus plainSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers,
+                          const Plausible& plausible);
+  BusStatus fastSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers,
+                         const Plausible& plausible);
   bool takeJointAnswer(const InstructionView& packet, std::uint16_t size, const std::vector<std::uint8_t>& ids,
-                       std::vector<SyncAnswer>& answers);
+                       std::vector<SyncAnswer>& answers, const Plausible& plausible);
 
+  // A joint answer fails as a whole when one device is silent. After so many failures in a row the devices are asked to
+  // answer one by one: for a while when they have answered jointly before, else for good.
   static constexpr int kFastTries = 3;
+  static constexpr int kPlainReads = 50;
   ByteStream* line_ = nullptr;
   int baud_;
   Duration reply_timeout_;
@@ -98,10 +107,13 @@ class DynamixelBus {
   std::vector<std::uint8_t> parameters_, out_;
   std::array<std::uint8_t, SyncAnswer::kMaxSize> answer_{};
   Expectation expected_;
+  std::size_t lost_ = 0;       // packets of the last transaction not accounted for yet
   std::uint64_t skipped_ = 0;  // the reader's count when the transaction began
   std::uint8_t last_error_ = 0;
   bool fast_ = true;
+  bool fast_proven_ = false;
   int fast_failures_ = 0;  // in a row
+  int plain_reads_left_ = 0;
   BusCounters counters_;
 };
 

@@ -89,6 +89,9 @@ class PacketReader {
   /// The next whole packet; false when more bytes are needed.
   bool next(InstructionView& packet);
 
+  /// Bytes that wait for the rest of their packet.
+  std::size_t pending() const { return end_ - begin_; }
+
   /// Throws away what is left; returns how many bytes that were.
   std::size_t clear();
 

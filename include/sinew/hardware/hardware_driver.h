@@ -34,7 +34,6 @@ struct DriverReport {
   std::uint32_t sequence = 0;
   CommandGate::Counters commands;
   BusCounters bus;
-  std::uint64_t late_readings = 0;  ///< refused because the servo's own clock did not fit
   std::uint64_t cycles = 0;
   bool relaxing = false;  ///< some actuator is giving its tension away
 };

@@ -67,8 +67,6 @@ class ServoChain {
   bool checkHealth();
   const std::string& problem() const { return problem_; }
   const BusCounters& counters() const { return bus_.counters(); }
-  /// Readings refused because the servo's own clock did not fit.
-  std::uint64_t lateReadings() const { return late_readings_; }
 
  private:
   struct Servo {
@@ -90,8 +88,8 @@ class ServoChain {
   bool configureRegisters(std::size_t i);
   bool mapReading(std::size_t i, bool& mapped);
   bool enable(std::size_t i);
-  void take(std::size_t i, const SyncAnswer& answer, Time asked);
-  bool isFresh(const Servo& servo, int tick, Time asked) const;
+  void take(std::size_t i, const SyncAnswer& answer);
+  bool isFresh(const Servo& servo, const std::uint8_t* data) const;
 
   DynamixelBus bus_;
   double period_;
@@ -103,11 +101,12 @@ class ServoChain {
   std::vector<std::uint8_t> some_ids_;
   std::vector<std::int32_t> some_values_;
   std::vector<SyncAnswer> answers_;
+  DynamixelBus::Plausible fresh_;
+  Time asked_{};  // when the readings under way were asked for
   std::vector<ServoReading> readings_;
   Phase phase_ = Phase::kConfigure;
   std::size_t next_ = 0;
   bool all_fast_ = true;
-  std::uint64_t late_readings_ = 0;
   std::string problem_;
 };
 

@@ -19,7 +19,7 @@ class SimulatedServo {
     double torque_constant = 4.1 / 2.3;        ///< N m/A at the shaft: stall torque over stall current at 12 V
     double stall_torque = 4.1;                 ///< N m at 12 V
     double no_load_speed = 46 * 2 * kPi / 60;  ///< rad/s at 12 V
-    double damping = 0.2;                      ///< N m s/rad of the gear, the speed at which a load drags a limp shaft
+    double damping = 0.01;                     ///< N m s/rad of the gear, the speed at which a load drags a limp shaft
     double response_time = 0.005;              ///< s, time constant with which the shaft follows its profile
     double brown_out = 7;                      ///< V of supply below which the electronics stop
     std::uint8_t firmware = 45;

@@ -12,6 +12,9 @@ class ForwardStep {
  public:
   explicit ForwardStep(const RobotModel& robot);
 
+  /// Solves for the efforts of a condensed robot and moves it; updates the total `effort` [N].
+  ForwardStatus move(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times);
+
   /// One step by `rule`; updates the total `effort` [N] and the body.
   ForwardStatus step(const Actuation& actuation, const StepRule& rule, CondensedRobot& robot, VecX& effort,
                      StageTimes& times);
@@ -24,7 +27,6 @@ class ForwardStep {
   int qpIterations() const { return problem_.iterations(); }
 
  private:
-  ForwardStatus solve(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times);
   bool settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot, const VecX& effort) const;
 
   ForwardProblem problem_;

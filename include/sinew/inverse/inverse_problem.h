@@ -22,7 +22,8 @@ struct InverseProblemData {
   int effector_rows = 0;
   VecX displacement;        ///< with efforts unchanged, m
   VecX effort;              ///< present total, N
-  double smoothing = 0;     ///< 1, against the change of effort
+  double damping = 0;       ///< 1, against the change of effort, relative to the best-driven direction
+  double negligible_gain = 0;  ///< m; when the effector error cannot fall by more, it is left as it is
 };
 
 struct InverseProblemResult {
@@ -46,6 +47,7 @@ class InverseProblem {
 
  private:
   void scale(const InverseProblemData& data, const CycleLimits& limits);
+  bool negligible(const InverseProblemData& data) const;
   QpStatus solveEffectors(const InverseProblemData& data, InverseProblemResult& result);
   QpStatus relaxEfforts(InverseProblemResult& result);
   void solveEnergy(const InverseProblemData& data, InverseProblemResult& result);
@@ -53,6 +55,7 @@ class InverseProblem {
   int actuators_;
   VecX scale_;            // sqrt(W_ii)
   MatX W_, E_;            // scaled compliance; scaled effector rows over their largest entry
+  double unit_ = 1;       // what the effector rows were divided by
   VecX error_, energy_;   // scaled error; scaled gradient of the energy
   VecX z_min_, z_max_, row_min_, row_max_, z_, relaxation_;
   RowSpace row_space_;

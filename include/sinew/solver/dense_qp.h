@@ -16,8 +16,9 @@ struct DenseQpSettings {
 /// Solves small dense convex QPs, warm-started from its own last active set. The QP is scaled, then solved by the dual
 /// active-set method; if G is singular, by proximal passes
 ///   x_k+1 = argmin f(x) + 1/2 (x - x_k)^T P (x - x_k),   P lifting only the flat directions,
-/// each starting from the active set of the last. They end after finitely many, at a minimiser of f itself or on a
-/// direction along which f is unbounded. Nothing allocates after construction.
+/// each starting from the active set of the last, and from as far along its step as f falls straight. They end after
+/// finitely many, at a minimiser of f itself or on a direction along which f is unbounded. Nothing allocates after
+/// construction.
 class DenseQp {
  public:
   /// Capacity of every QP to come.
@@ -33,7 +34,7 @@ class DenseQp {
  private:
   QpStatus solveScaled(QpSolution& solution);
   bool passesEnded() const;
-  bool recedes();
+  double calcReach();
   void reportPoint(const QpProblem& problem, QpSolution& solution);
   void reportDuals(double factor, QpSolution& solution) const;
   void reportDirection(QpSolution& solution) const;
@@ -43,7 +44,7 @@ class DenseQp {
   ScaledQp scaled_;
   DualActiveSet active_set_;
   VecX centre_, step_, last_x_;
-  VecX curvature_, row_rate_;
+  VecX curvature_;
   int last_variables_ = -1;
 };
 

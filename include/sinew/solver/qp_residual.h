@@ -5,8 +5,9 @@
 
 namespace sinew {
 
-/// How far (x, bound_dual, row_dual) are from the optimality conditions, each relative to the largest term that enters
-/// the condition, in the units of a `QpScaling`. Zero is exact.
+/// How far (x, bound_dual, row_dual) are from the optimality conditions, in the units of a `QpScaling`: gradients
+/// relative to the largest sum of terms of G x + g - bound_dual - C^T row_dual, points relative to the largest entry of
+/// x and of g (as G has a unit diagonal, a step along g is of that length). Zero is exact.
 struct KktResidual {
   double stationarity = 0;     ///< G x + g - bound_dual - C^T row_dual
   double feasibility = 0;      ///< distance by which a bound or a row is missed
@@ -15,7 +16,7 @@ struct KktResidual {
   double worst() const;
 };
 
-/// `scaling` must be that of `problem`. Never allocates.
+/// `scaling` must be that of `problem`. A solution that is not finite gives infinities. Never allocates.
 KktResidual calcKktResidual(const QpProblem& problem, const QpScaling& scaling, const QpSolution& solution);
 
 /// What the duals of an infeasible QP prove.

@@ -28,11 +28,13 @@ void DynamixelBus::attach(ByteStream* line) {
   line_ = line;
   reader_.clear();
   skipped_ = reader_.skipped();
+  lost_ = 0;
 }
 
 void DynamixelBus::setFastSyncRead(bool fast) {
   fast_ = fast;
-  fast_failures_ = 0;
+  fast_proven_ = false;
+  fast_failures_ = plain_reads_left_ = 0;
 }
 
 // Whatever has arrived before a request cannot be its answer.
@@ -47,7 +49,8 @@ bool DynamixelBus::flush() {
     if (in.count == 0) break;
   }
   reader_.clear();
-  countDamage(0);
+  countDamage(lost_);
+  lost_ = 0;
   return true;
 }
 
@@ -92,10 +95,13 @@ BusStatus DynamixelBus::receive(InstructionView& packet) {
   return BusStatus::kOk;
 }
 
-// Closes the books of a transaction.
+// Closes the books of a transaction; when a part of a packet is there, only the next flush, which sees the rest of it
+// or not, can tell a late packet from a damaged one.
 void DynamixelBus::settle(std::size_t received) {
-  if (received < expected_.packets) reader_.clear();
-  countDamage(expected_.packets - received);
+  lost_ = expected_.packets - received;
+  if (reader_.pending() > 0) return;
+  countDamage(lost_);
+  lost_ = 0;
 }
 
 BusStatus DynamixelBus::transact(std::uint8_t id, Instruction instruction, std::size_t answer_size) {
@@ -178,21 +184,29 @@ BusStatus DynamixelBus::syncWrite(ServoRegister r, const std::vector<std::uint8_
 }
 
 BusStatus DynamixelBus::syncRead(std::uint16_t address, std::uint16_t size, const std::vector<std::uint8_t>& ids,
-                                 std::vector<SyncAnswer>& answers) {
+                                 std::vector<SyncAnswer>& answers, const Plausible& plausible) {
   parameters_.assign({low(address), high(address), low(size), high(size)});
   parameters_.insert(parameters_.end(), ids.begin(), ids.end());
   for (SyncAnswer& a : answers) a.status = BusStatus::kMissing;
-  if (!fast_) return plainSyncRead(size, ids, answers);
-  const BusStatus status = fastSyncRead(size, ids, answers);
+  if (!usesFastSyncRead()) {
+    plain_reads_left_ = std::max(0, plain_reads_left_ - 1);
+    return plainSyncRead(size, ids, answers, plausible);
+  }
+  const BusStatus status = fastSyncRead(size, ids, answers, plausible);
   fast_failures_ = status == BusStatus::kMissing ? fast_failures_ + 1 : 0;
-  if (fast_failures_ >= kFastTries) fast_ = false;
+  fast_proven_ = fast_proven_ || status == BusStatus::kOk;
+  if (fast_failures_ >= kFastTries) {
+    fast_failures_ = 0;
+    fast_ = fast_proven_;
+    plain_reads_left_ = kPlainReads;
+  }
   return status;
 }
 
 // Answers are kept by device, in whatever order they come. A line never reorders what one device sent, so of two
 // answers of one device the first was late from an earlier transaction.
 BusStatus DynamixelBus::plainSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids,
-                                      std::vector<SyncAnswer>& answers) {
+                                      std::vector<SyncAnswer>& answers, const Plausible& plausible) {
   BusStatus status = request(kBroadcastId, Instruction::kSyncRead, ids.size(), kStatusOverhead + size);
   if (status != BusStatus::kOk) return status;
   std::size_t received = 0;
@@ -200,12 +214,15 @@ BusStatus DynamixelBus::plainSyncRead(std::uint16_t size, const std::vector<std:
   InstructionView packet;
   while (received < ids.size() && (status = receive(packet)) == BusStatus::kOk) {
     const auto id = std::find(ids.begin(), ids.end(), packet.id);
+    const auto i = static_cast<std::size_t>(id - ids.begin());
     const bool refusal = packet.size == 1 && (packet.parameters[0] & ~kAlertBit) != 0;
-    if (packet.instruction != Instruction::kStatus || id == ids.end() || (packet.size != size + 1u && !refusal)) {
+    const bool ours = packet.instruction == Instruction::kStatus && i < ids.size();
+    const bool whole = ours && packet.size == size + 1u && (!plausible || plausible(i, packet.parameters + 1));
+    if (!ours || !(whole || refusal)) {
       ++counters_.stale;
       continue;
     }
-    SyncAnswer& a = answers[static_cast<std::size_t>(id - ids.begin())];
+    SyncAnswer& a = answers[i];
     if (a.status == BusStatus::kMissing)
       ++received;
     else
@@ -222,14 +239,14 @@ BusStatus DynamixelBus::plainSyncRead(std::uint16_t size, const std::vector<std:
 }
 
 BusStatus DynamixelBus::fastSyncRead(std::uint16_t size, const std::vector<std::uint8_t>& ids,
-                                     std::vector<SyncAnswer>& answers) {
+                                     std::vector<SyncAnswer>& answers, const Plausible& plausible) {
   const std::size_t frame = kJointOverhead + ids.size() * (size + kJointShare);
   BusStatus status = request(kBroadcastId, Instruction::kFastSyncRead, 1, frame);
   if (status != BusStatus::kOk) return status;
   reader_.setMaxFrame(frame);  // not stuffed, so its length is known exactly
   InstructionView packet;
   while ((status = receive(packet)) == BusStatus::kOk) {
-    if (takeJointAnswer(packet, size, ids, answers)) break;
+    if (takeJointAnswer(packet, size, ids, answers, plausible)) break;
     ++counters_.stale;
   }
   settle(status == BusStatus::kOk ? 1 : 0);
@@ -237,13 +254,14 @@ BusStatus DynamixelBus::fastSyncRead(std::uint16_t size, const std::vector<std::
 }
 
 bool DynamixelBus::takeJointAnswer(const InstructionView& packet, std::uint16_t size,
-                                   const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers) {
+                                   const std::vector<std::uint8_t>& ids, std::vector<SyncAnswer>& answers,
+                                   const Plausible& plausible) {
   if (packet.instruction != Instruction::kStatus || packet.id != kBroadcastId) return false;
   const std::size_t share = size + kJointShare;
   if (packet.frame_size != kJointOverhead + ids.size() * share) return false;
   const std::uint8_t* first = packet.frame + kJointOverhead;
   for (std::size_t i = 0; i < ids.size(); ++i)
-    if (first[i * share + 1] != ids[i]) return false;
+    if (first[i * share + 1] != ids[i] || (plausible && !plausible(i, first + i * share + 2))) return false;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     const std::uint8_t* part = first + i * share;
     answers[i].error = part[0];

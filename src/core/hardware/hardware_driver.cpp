@@ -79,8 +79,9 @@ HardwareDriver::HardwareDriver(const HardwareDescription& description, LineFacto
 bool HardwareDriver::request(DriverRequest request) {
   if (request == DriverRequest::kHome && state_ != DriverState::kReady) return false;
   home_all_ = request == DriverRequest::kRecover ? home_all_ && state_ == DriverState::kOff : true;
-  if (request == DriverRequest::kShutdown && state_ == DriverState::kOff) return true;
-  return handle(eventOf(request), reasonOf(request));
+  const bool taken = handle(eventOf(request), reasonOf(request));
+  fillReport(last_update_);
+  return taken || (request == DriverRequest::kShutdown && state_ == DriverState::kOff);
 }
 
 bool HardwareDriver::handle(DriverEvent event, const std::string& reason) {
@@ -339,7 +340,6 @@ void HardwareDriver::fillReport(Time now) {
   report_.sequence = gate_.sequence();
   report_.commands = gate_.counters();
   report_.bus = chain_.counters();
-  report_.late_readings = chain_.lateReadings();
   report_.relaxing = release_.active;
 }
 

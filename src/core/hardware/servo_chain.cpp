@@ -32,6 +32,15 @@ void makeMap(std::uint8_t* map) {
     for (std::uint16_t b = 0; b < r.size; ++b, map += 2) encodeRegister(r.address + b, 2, map);
 }
 
+// The value of a gathered field in a block.
+std::int32_t field(const std::uint8_t* block, const ServoRegister& wanted) {
+  for (const ServoRegister& r : kGathered) {
+    if (r.address == wanted.address) return decodeRegister(block, r.size);
+    block += r.size;
+  }
+  return 0;
+}
+
 const char* describe(std::uint32_t fault) {
   if ((fault & kServoSilent) != 0) return "does not answer";
   if ((fault & kServoUndervolted) != 0) return "had its supply dip, so its count of turns may be lost";
@@ -59,6 +68,7 @@ ServoChain::ServoChain(const HardwareDescription& h)
   some_ids_.reserve(ids_.size());
   some_values_.reserve(ids_.size());
   problem_.reserve(256);
+  fresh_ = [this](std::size_t i, const std::uint8_t* data) { return isFresh(servos_[i], data); };
 }
 
 bool ServoChain::fail(std::size_t i, const std::string& what) {
@@ -232,9 +242,10 @@ bool ServoChain::release(const std::vector<bool>& which) {
 
 bool ServoChain::read(Time now) {
   for (ServoReading& r : readings_) r.valid = false;
-  const BusStatus status = bus_.syncRead(kIndirectData, kBlockSize, ids_, answers_);
+  asked_ = now;
+  const BusStatus status = bus_.syncRead(kIndirectData, kBlockSize, ids_, answers_, fresh_);
   for (std::size_t i = 0; i < servos_.size(); ++i) {
-    if (answers_[i].status == BusStatus::kOk) take(i, answers_[i], now);
+    if (answers_[i].status == BusStatus::kOk) take(i, answers_[i]);
     ServoReading& r = readings_[i];
     r.missing = r.valid ? 0 : r.missing + 1;
     if (r.missing >= missing_limit_) r.fault |= kServoSilent;
@@ -242,44 +253,36 @@ bool ServoChain::read(Time now) {
   return status != BusStatus::kClosed;
 }
 
-bool ServoChain::isFresh(const Servo& servo, int tick, Time asked) const {
-  if (!servo.anchored) return true;
-  const double elapsed = 1e3 * seconds(asked - servo.read_at), slack = 1e3 * kFreshness * period_ + 1;
-  const double advance = (tick - servo.tick + kTickPeriod) % kTickPeriod;
+// Answers 0 V only when the map of indirect addresses is gone: the servo has restarted, and `take` says so.
+bool ServoChain::isFresh(const Servo& servo, const std::uint8_t* data) const {
+  if (!servo.anchored || field(data, reg::kPresentVoltage) == 0) return true;
+  const double elapsed = 1e3 * seconds(asked_ - servo.read_at), slack = 1e3 * kFreshness * period_ + 1;
+  const double advance = (field(data, reg::kRealtimeTick) - servo.tick + kTickPeriod) % kTickPeriod;
   const double off = std::remainder(advance - elapsed, static_cast<double>(kTickPeriod));
   return std::abs(off) <= slack + 1e-3 * elapsed;
 }
 
-void ServoChain::take(std::size_t i, const SyncAnswer& answer, Time asked) {
+void ServoChain::take(std::size_t i, const SyncAnswer& answer) {
   Servo& s = servos_[i];
   ServoReading& r = readings_[i];
-  const std::uint8_t* p = answer.data.data();
-  std::int32_t values[sizeof kGathered / sizeof kGathered[0]];
-  std::size_t n = 0;
-  for (const ServoRegister& field : kGathered) {
-    values[n++] = decodeRegister(p, field.size);
-    p += field.size;
-  }
-  const int torque = values[0], watchdog = values[1], error = values[2], tick = values[3], counts = values[5];
-  if (torque == 0) r.fault |= kServoLimp;
-  if (!isFresh(s, tick, asked)) {
-    ++late_readings_;
-    return;
-  }
+  const std::uint8_t* data = answer.data.data();
+  const int error = field(data, reg::kHardwareError), counts = field(data, reg::kPresentPosition);
+  if (field(data, reg::kTorqueEnable) == 0) r.fault |= kServoLimp;
+  if (field(data, reg::kPresentVoltage) == 0) return;
   r.valid = true;
   r.fault |= static_cast<std::uint32_t>(error);
-  if (watchdog == kTripped) r.fault |= kServoWatchdog;
-  r.current = s.cable.amperes(values[4]);
-  r.tension = s.cable.tension(values[4]);
-  r.voltage = values[6] * kVoltsPerUnit;
-  r.temperature = values[7];
-  const double elapsed = s.anchored ? seconds(asked - s.read_at) : 0;
+  if (field(data, reg::kBusWatchdog) == kTripped) r.fault |= kServoWatchdog;
+  r.current = s.cable.amperes(field(data, reg::kPresentCurrent));
+  r.tension = s.cable.tension(field(data, reg::kPresentCurrent));
+  r.voltage = field(data, reg::kPresentVoltage) * kVoltsPerUnit;
+  r.temperature = field(data, reg::kPresentTemperature);
+  const double elapsed = s.anchored ? seconds(asked_ - s.read_at) : 0;
   if (s.anchored && std::abs(counts - s.counts) > kJumpCounts + kJumpCountsPerSecond * elapsed) r.fault |= kServoJumped;
   if (r.voltage < kMinVoltage || (error & kVoltageError) != 0) r.fault |= kServoUndervolted;
   if ((r.fault & (kServoJumped | kServoUndervolted)) != 0) r.zero_valid = false;
   s.counts = counts;
-  s.tick = tick;
-  s.read_at = asked;
+  s.tick = field(data, reg::kRealtimeTick);
+  s.read_at = asked_;
   s.anchored = true;
   r.displacement = s.cable.displacement(counts);
 }

@@ -20,8 +20,7 @@ ForwardStep::ForwardStep(const RobotModel& robot)
       displacement_(VecX::Zero(robot.actuatorCount())),
       change_(VecX::Zero(robot.actuatorCount())) {}
 
-ForwardStatus ForwardStep::solve(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times) {
-  if (!robot.condense(times)) return ForwardStatus::kNotPositiveDefinite;
+ForwardStatus ForwardStep::move(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times) {
   displacement_ = robot.displacement() + robot.freeMotion().head(robot.actuators());
   QpStatus status;
   {
@@ -38,7 +37,8 @@ ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule
                                 StageTimes& times) {
   robot.body().beginStep();
   robot.linearise(effort, rule, times);
-  const ForwardStatus status = solve(actuation, robot, effort, times);
+  const ForwardStatus status = robot.condense(times) ? move(actuation, robot, effort, times)
+                                                     : ForwardStatus::kNotPositiveDefinite;
   robot.body().endStep(rule);
   return status;
 }
@@ -70,7 +70,8 @@ ForwardStatus ForwardStep::settle(const Actuation& actuation, double tolerance, 
       return ForwardStatus::kSolved;
     }
     if (!std::isfinite(robot.residual())) return ForwardStatus::kNotFinite;
-    const ForwardStatus status = solve(actuation, robot, effort, times);
+    if (!robot.condense(times)) return ForwardStatus::kNotPositiveDefinite;
+    const ForwardStatus status = move(actuation, robot, effort, times);
     if (status != ForwardStatus::kSolved) return status;
   }
   return ForwardStatus::kNotConverged;

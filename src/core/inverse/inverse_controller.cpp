@@ -7,6 +7,7 @@
 #include "sinew/constraint/point_effector.h"
 #include "sinew/inverse/forward_step.h"
 #include "sinew/inverse/inverse_problem.h"
+#include "sinew/inverse/step_damping.h"
 
 namespace sinew {
 namespace {
@@ -14,6 +15,12 @@ namespace {
 constexpr double kSyncStep = 5e-3;       // m of cable per load step when the model is moved to a measurement
 constexpr double kSyncTolerance = 1e-9;
 constexpr int kSyncIterations = 100;
+
+// Far from its goal the error is large and the curvature of the reachable positions, which the linear problem does not
+// see, decides over convergence: the change of effort is damped, and a gain too small to matter ends the chase.
+constexpr double kFarGoalDamping = 0.3;   // of the best-driven direction
+constexpr double kNegligibleGain = 2e-5;  // of the reach of one cycle
+
 constexpr double kOnLimit = 1e-9;        // of the range, within which a limit counts as reached
 
 int maxEffectorRows(const RobotModel& robot) {
@@ -47,12 +54,14 @@ struct InverseController::Impl {
   VecX effort;        // N, total
   VecX command;       // m, of the last cycle
   VecX cycle_start;   // m, what the rates of this cycle count from
-  VecX linear_displacement;
+  VecX linear_displacement;  // m, actuators as the linear problem moves them
+  VecX row_motion;           // m, every row
   VecX last_valid_effort;
+  StepDamping damping;
 
   explicit Impl(std::shared_ptr<const RobotModel> model)
       : robot(model),
-        condensed(model),
+        condensed(model, true),
         forward(*model),
         problem(model->actuatorCount(), maxEffectorRows(*model)),
         data(model->actuatorCount(), maxEffectorRows(*model)),
@@ -62,10 +71,10 @@ struct InverseController::Impl {
         command(VecX::Zero(model->actuatorCount())),
         cycle_start(VecX::Zero(model->actuatorCount())),
         linear_displacement(VecX::Zero(model->actuatorCount())),
+        row_motion(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model))),
         last_valid_effort(VecX::Zero(model->actuatorCount())) {
     held.mode.assign(static_cast<std::size_t>(actuators()), Actuation::Mode::kDisplacement);
     held.value = VecX::Zero(actuators());
-    data.smoothing = model->description().control.smoothing;
   }
 
   int actuators() const { return robot->actuatorCount(); }
@@ -94,57 +103,80 @@ struct InverseController::Impl {
     }
   }
 
-  // Effector rows of the targeted effectors, with the error they have when the efforts stay as they are. A goal farther
-  // than the reach of one cycle is chased part of the way: one factor for all rows keeps the stationary points.
-  double gatherEffectors(const CycleInput& input, CycleOutput& output) {
-    const int n = actuators();
-    int row = n;
+  // Calls use(effector, its first row in the condensed robot, its first row among the targeted ones).
+  template <typename Use>
+  void forEachTargeted(const CycleInput& input, const Use& use) {
+    int row = actuators();
     data.effector_rows = 0;
-    double squared = 0;
     for (int e = 0; e < robot->effectorCount(); ++e) {
-      const PointEffector& effector = robot->effectors()[e];
+      const int count = robot->effectors()[e].rowCount();
       if (input.targeted[e]) {
-        double* error = data.effector_error.data() + data.effector_rows;
-        effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e), error);
-        for (int k = 0; k < effector.rowCount(); ++k) {
-          error[k] += condensed.freeMotion()[row + k];
-          squared += error[k] * error[k];
-          data.W_ea.row(data.effector_rows + k) = condensed.compliance().row(row + k).head(n);
-        }
-        data.effector_rows += effector.rowCount();
+        use(e, row, data.effector_rows);
+        data.effector_rows += count;
       }
-      row += effector.rowCount();
+      row += count;
     }
-    const double distance = std::sqrt(squared);
-    const double reach = robot->description().control.reach_per_cycle;
-    output.goal_scale = distance > reach ? reach / distance : 1.0;
+  }
+
+  // The robot come to rest: where efforts alone would bring it. A goal farther than the reach of one cycle is chased
+  // part of the way: one factor for all rows keeps the stationary points.
+  double gatherRest(const CycleInput& input, CycleOutput& output) {
+    const int n = actuators();
+    forEachTargeted(input, [&](int e, int row, int first) {
+      const PointEffector& effector = robot->effectors()[e];
+      effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e),
+                         data.effector_error.data() + first);
+      data.effector_error.segment(first, effector.rowCount()) += condensed.restMotion().segment(row, effector.rowCount());
+      data.W_ea.middleRows(first, effector.rowCount()) =
+          condensed.restCompliance().block(row, 0, effector.rowCount(), n);
+    });
+    const ControlDescription& control = robot->description().control;
+    const double distance = data.effector_error.head(data.effector_rows).norm();
+    output.goal_scale = distance > control.reach_per_cycle ? control.reach_per_cycle / distance : 1.0;
     data.effector_error.head(data.effector_rows) *= output.goal_scale;
+    data.damping = control.smoothing + damping.value() + kFarGoalDamping * (1 - output.goal_scale);
+    data.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * control.reach_per_cycle : 0;
+    data.W_aa = condensed.restCompliance().topLeftCorner(n, n);
+    data.displacement = condensed.displacement() + condensed.restMotion().head(n);
+    data.effort = effort;
     return distance;
   }
 
+  HoldReason planEfforts(const CycleInput& input, CycleOutput& output) {
+    const StageTimer timer(output.times.qp);
+    if (!std::isfinite(gatherRest(input, output))) return HoldReason::kNotFinite;
+    output.qp_status = problem.solve(data, limits, result);
+    output.qp_iterations += result.iterations;
+    row_motion = condensed.restMotion();
+    row_motion.noalias() += condensed.restCompliance().leftCols(actuators()) * result.effort_change;
+    return output.qp_status == QpStatus::kSolved ? HoldReason::kNone : HoldReason::kQpFailed;
+  }
+
   HoldReason newtonStep(const CycleInput& input, const StepRule& rule, CycleOutput& output) {
-    const int n = actuators();
     condensed.linearise(effort, rule, output.times);
     if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
     if (!condensed.condense(output.times)) return HoldReason::kNotPositiveDefinite;
-    const double distance = gatherEffectors(input, output);
-    if (!std::isfinite(distance)) return HoldReason::kNotFinite;
-    {
-      const StageTimer timer(output.times.qp);
-      data.W_aa = condensed.compliance().topLeftCorner(n, n);
-      data.displacement = condensed.displacement() + condensed.freeMotion().head(n);
-      data.effort = effort;
-      output.qp_status = problem.solve(data, limits, result);
-      output.qp_iterations += result.iterations;
-    }
-    if (output.qp_status != QpStatus::kSolved) return HoldReason::kQpFailed;
-    linear_displacement = condensed.freeMotion().head(n);
-    linear_displacement.noalias() += data.W_aa * result.effort_change;
+    if (!rule.dynamic) damping.update(condensed.freeMotion().norm());
+    const HoldReason reason = planEfforts(input, output);
+    if (reason != HoldReason::kNone) return reason;
+    return rule.dynamic ? moveDynamic(output) : moveStatic(output);
+  }
+
+  HoldReason moveStatic(CycleOutput& output) {
     const double scale =
         condensed.advance(result.effort_change, robot->description().control.max_node_step, output.times);
     effort += scale * result.effort_change;
-    linear_displacement = condensed.displacement() + scale * linear_displacement;
+    damping.recordStep(scale * row_motion.norm());
+    linear_displacement = condensed.displacement() + scale * row_motion.head(actuators());
     return linear_displacement.allFinite() && effort.allFinite() ? HoldReason::kNone : HoldReason::kNotFinite;
+  }
+
+  // The winches go where the plan wants the cables at rest; the body follows with its inertia and damping. What the
+  // controller asks for thus never depends on vibrations, nor the settled answer on the period.
+  HoldReason moveDynamic(CycleOutput& output) {
+    linear_displacement = condensed.displacement() + row_motion.head(actuators());
+    held.value = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
+    return reasonOf(forward.move(held, condensed, effort, output.times));
   }
 
   void reportState(const CycleInput& input, CycleOutput& output) {
@@ -339,6 +371,7 @@ double InverseController::resynchronise(const VecX& measured) {
     }
   }
   impl.command = measured;
+  impl.damping.reset();
   impl.problem.forget();
   return impl.distanceTo(measured);
 }
@@ -348,6 +381,7 @@ void InverseController::reset() {
   impl_->effort.setZero();
   impl_->command.setZero();
   impl_->last_valid_effort.setZero();
+  impl_->damping.reset();
   impl_->problem.forget();
 }
 

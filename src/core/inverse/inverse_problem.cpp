@@ -66,9 +66,9 @@ void InverseProblem::scale(const InverseProblemData& data, const CycleLimits& li
     for (int i = 0; i < data.effector_rows; ++i) E_(i, j) = data.W_ea(i, j) / scale_[j];
   }
   const double largest = data.effector_rows > 0 ? E_.topRows(data.effector_rows).cwiseAbs().maxCoeff() : 0.0;
-  const double unit = largest > 0 ? largest : 1.0;
-  E_.topRows(data.effector_rows) /= unit;
-  error_.head(data.effector_rows) = data.effector_error.head(data.effector_rows) / unit;
+  unit_ = largest > 0 ? largest : 1.0;
+  E_.topRows(data.effector_rows) /= unit_;
+  error_.head(data.effector_rows) = data.effector_error.head(data.effector_rows) / unit_;
 
   z_min_ = (limits.effort_min - data.effort).cwiseProduct(scale_);
   z_max_ = (limits.effort_max - data.effort).cwiseProduct(scale_);
@@ -86,7 +86,7 @@ QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseP
   const auto E = E_.topRows(data.effector_rows);
   qp.G.topLeftCorner(n, n).noalias() = E.transpose() * E;
   const double largest = std::max(qp.G.topLeftCorner(n, n).diagonal().maxCoeff(), 1e-300);
-  qp.G.topLeftCorner(n, n).diagonal().array() += largest * (kRegularisation + data.smoothing);
+  qp.G.topLeftCorner(n, n).diagonal().array() += largest * (kRegularisation + data.damping);
   qp.g.head(n).noalias() = E.transpose() * error_.head(data.effector_rows);
   qp.lower.head(n) = z_min_ - relaxation_;
   qp.upper.head(n) = z_max_ + relaxation_;
@@ -95,8 +95,19 @@ QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseP
   qp.row_upper.head(n) = row_max_;
   const QpStatus status = effector_qp_.solve(qp, effector_solution_);
   result.iterations += effector_solution_.iterations;
-  if (status == QpStatus::kSolved) z_ = effector_solution_.x.head(n);
+  if (status != QpStatus::kSolved) return status;
+  z_ = effector_solution_.x.head(n);
+  if (negligible(data)) z_.setZero();
   return status;
+}
+
+// Whether z = 0 is allowed and leaves the error where it is but for `negligible_gain`.
+bool InverseProblem::negligible(const InverseProblemData& data) const {
+  const auto E = E_.topRows(data.effector_rows);
+  const auto error = error_.head(data.effector_rows);
+  if (!(unit_ * (error.norm() - (error + E * z_).norm()) < data.negligible_gain)) return false;
+  const auto within = [](const VecX& min, const VecX& max) { return min.maxCoeff() <= 0 && max.minCoeff() >= 0; };
+  return within(z_min_ - relaxation_, z_max_ + relaxation_) && within(row_min_, row_max_);
 }
 
 // Unknowns (z, t): least 1/2 |t|^2 with z_min - t <= z <= z_max + t and the displacement rows kept.
@@ -143,7 +154,7 @@ void InverseProblem::solveEnergy(const InverseProblemData& data, InverseProblemR
   QpProblem& qp = energy_problem_;
   qp.resize(n, n + rank);
   qp.G.topLeftCorner(n, n) = W_;
-  qp.G.topLeftCorner(n, n).diagonal().array() += data.smoothing;
+  qp.G.topLeftCorner(n, n).diagonal().array() += data.damping;
   qp.g.head(n) = energy_;
   qp.lower.head(n) = z_min_ - relaxation_;
   qp.upper.head(n) = z_max_ + relaxation_;

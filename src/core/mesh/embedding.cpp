@@ -148,8 +148,8 @@ void PointLocator::Impl::search(std::size_t branch, const Vec3& p, Result& best)
   }
   std::size_t near = branch + 1;
   std::size_t far = static_cast<std::size_t>(here.right);
-  if (branches[far].box.squaredExteriorDistance(p) < branches[near].box.squaredExteriorDistance(p))
-    std::swap(near, far);
+  const bool is_swapped = branches[far].box.squaredExteriorDistance(p) < branches[near].box.squaredExteriorDistance(p);
+  if (is_swapped) std::swap(near, far);
   search(near, p, best);
   search(far, p, best);
 }

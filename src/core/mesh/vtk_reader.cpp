@@ -95,6 +95,7 @@ class VtkReader {
   void readFieldArray();
   void skipLookupTable();
   void skipMetadata();
+  void skipMetadataIfAny();
 
   Values readArray(const std::string& type, std::int64_t tuples, std::int64_t components, const char* expected);
   Values readTypedArray(std::int64_t tuples, std::int64_t components, const char* expected);
@@ -157,8 +158,9 @@ void VtkReader::readPoints() {
   if (has_points_) file_.fail("POINTS a second time", "one POINTS section");
   const Values values = readTypedArray(count, 3, "point coordinates");
   points_.resize(values.size() / 3);
-  for (std::size_t i = 0; i < points_.size(); ++i)
+  for (std::size_t i = 0; i < points_.size(); ++i) {
     points_[i] = Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+  }
   has_points_ = true;
 }
 
@@ -178,8 +180,9 @@ void VtkReader::readCellsWithCounts(std::int64_t cells, std::int64_t size) {
   const Values list = readArray("int", size, 1, "the cell list");
   std::size_t at = 0;
   for (std::int64_t cell = 0; cell < cells; ++cell) {
-    if (at >= list.size())
+    if (at >= list.size()) {
       file_.fail("a cell list of " + std::to_string(size) + " that ends early", "every cell in it");
+    }
     const int count = toIndex(list[at], list.size() - at, "a number of points that fits in the cell list");
     const auto begin = list.begin() + static_cast<std::ptrdiff_t>(at + 1);
     connectivity_.insert(connectivity_.end(), begin, begin + count);
@@ -193,6 +196,7 @@ void VtkReader::readCellsWithCounts(std::int64_t cells, std::int64_t size) {
 void VtkReader::readCellsWithOffsets(std::int64_t offsets, std::int64_t size) {
   file_.expectWord("OFFSETS");
   const Values begins = readTypedArray(offsets, 1, "cell offsets");
+  skipMetadataIfAny();
   file_.expectWord("CONNECTIVITY");
   connectivity_ = readTypedArray(size, 1, "cell connectivity");
   offsets_.clear();
@@ -208,8 +212,9 @@ void VtkReader::readCellsWithOffsets(std::int64_t offsets, std::int64_t size) {
 void VtkReader::readCellTypes() {
   const std::int64_t count = file_.readInteger("the number of cell types");
   if (!types_.empty()) file_.fail("CELL_TYPES a second time", "one CELL_TYPES section");
-  for (const double type : readArray("int", count, 1, "cell types"))
+  for (const double type : readArray("int", count, 1, "cell types")) {
     types_.push_back(toIndex(type, 256, "a cell type"));
+  }
 }
 
 void VtkReader::beginAttributes(bool of_cells) {
@@ -276,10 +281,7 @@ void VtkReader::readField() {
 }
 
 void VtkReader::readFieldArray() {
-  if (toLower(file_.peekWord()) == "metadata") {
-    file_.readWord("METADATA");
-    skipMetadata();
-  }
+  skipMetadataIfAny();
   const std::string name(file_.readWord("the name of an array"));
   const std::int64_t components = file_.readInteger("the number of components");
   const std::int64_t tuples = file_.readInteger("the number of tuples");
@@ -293,6 +295,12 @@ void VtkReader::skipMetadata() {
   while (file_.hasWordOnLine()) file_.readLine();
 }
 
+void VtkReader::skipMetadataIfAny() {
+  if (toLower(file_.peekWord()) != "metadata") return;
+  file_.readWord("METADATA");
+  skipMetadata();
+}
+
 Values VtkReader::readTypedArray(std::int64_t tuples, std::int64_t components, const char* expected) {
   const std::string type = toLower(file_.readWord("a data type"));
   return readArray(type, tuples, components, expected);
@@ -301,8 +309,9 @@ Values VtkReader::readTypedArray(std::int64_t tuples, std::int64_t components, c
 Values VtkReader::readArray(const std::string& type, std::int64_t tuples, std::int64_t components,
                             const char* expected) {
   const auto scalar = scalars().find(type);
-  if (scalar == scalars().end())
+  if (scalar == scalars().end()) {
     file_.fail("data type '" + type.substr(0, 40) + "'", "a number type such as float or int");
+  }
   if (components < 1 || components > kMostComponents) {
     file_.fail(std::to_string(components) + " components", "1 to " + std::to_string(kMostComponents));
   }

@@ -14,7 +14,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLift = 1e-4;        // curvature given to flat directions, against a largest scaled curvature of 1
 constexpr double kPassEnded = 1e-12;  // pull of the last pass, against the gradient
-constexpr double kFlat = 1e-9;        // curvature and row rates of a unit direction of recession
+constexpr double kLeastForce = 1e-6;  // gradient to compare with, where the objective has no slope
+constexpr double kFlat = 1e-11;       // curvature and row rates of a unit direction of recession
 constexpr double kDescent = 1e-9;     // slope of a unit direction, against the gradient
 
 bool limitsAreValid(const Eigen::Ref<const VecX>& lower, const Eigen::Ref<const VecX>& upper) {
@@ -33,9 +34,11 @@ double calcLargest(const Eigen::Ref<const VecX>& v) {
   return v.size() > 0 ? v.cwiseAbs().maxCoeff() : 0;
 }
 
-/// Whether a value that changes at `rate` for ever stays within its limits.
-bool staysWithin(double rate, double lower, double upper) {
-  return (rate >= -kFlat || lower == -kInfinity) && (rate <= kFlat || upper == kInfinity);
+/// Time in which a value that changes at `rate` meets its limit.
+double calcRoom(double value, double rate, double lower, double upper) {
+  if (rate > kFlat) return std::max(0.0, (upper - value) / rate);
+  if (rate < -kFlat) return std::max(0.0, (lower - value) / rate);
+  return kInfinity;
 }
 
 void clear(const QpProblem& problem, QpSolution& solution) {
@@ -58,8 +61,7 @@ DenseQp::DenseQp(int max_variables, int max_rows, const DenseQpSettings& setting
       centre_(max_variables),
       step_(max_variables),
       last_x_(max_variables),
-      curvature_(max_variables),
-      row_rate_(max_rows) {}
+      curvature_(max_variables) {}
 
 void DenseQp::forget() {
   active_set_.forget();
@@ -67,7 +69,7 @@ void DenseQp::forget() {
 }
 
 QpStatus DenseQp::solve(const QpProblem& problem, QpSolution& solution) {
-  assert(problem.variables <= centre_.size() && problem.rows <= row_rate_.size());
+  assert(problem.variables <= centre_.size() && problem.rows <= scaling_.row.size());
   clear(problem, solution);
   if (!isFinite(problem)) return solution.status = QpStatus::kNotFinite;
   if (hasCrossingLimits(problem)) return solution.status = QpStatus::kInfeasible;
@@ -93,31 +95,41 @@ QpStatus DenseQp::solveScaled(QpSolution& solution) {
     if (status != QpStatus::kSolved || !active_set_.factor().lifted()) return status;
     step_.head(n) = active_set_.x() - centre_.head(n);
     if (passesEnded()) return QpStatus::kSolved;
-    if (recedes()) return QpStatus::kUnbounded;
-    centre_.head(n) = active_set_.x();
+    const double reach = calcReach();
+    if (reach == kInfinity) return QpStatus::kUnbounded;
+    centre_.head(n) = active_set_.x() + reach * step_.head(n);
   }
   return QpStatus::kIterationLimit;
 }
 
 bool DenseQp::passesEnded() const {
   const int n = scaled_.variables;
+  const auto x = active_set_.x();
   const double pull = active_set_.factor().proximal().cwiseProduct(step_.head(n)).cwiseAbs().maxCoeff();
-  return pull <= kPassEnded * std::max(calcLargest(scaled_.g.head(n)), calcLargest(active_set_.dual()));
+  double force = std::max({kLeastForce, calcLargest(scaled_.g.head(n)), calcLargest(active_set_.dual())});
+  for (int i = 0; i < n; ++i) force = std::max(force, scaled_.G.col(i).head(n).cwiseAbs().dot(x.cwiseAbs()));
+  return pull <= kPassEnded * force;
 }
 
-/// Whether the last step, repeated for ever, lowers the objective at a constant rate and meets no limit.
-bool DenseQp::recedes() {
+/// Distance that the last step can go on, in steps of length one, while the objective falls at a constant rate: 0 if it
+/// bends, infinite if no limit is met.
+double DenseQp::calcReach() {
   const int n = scaled_.variables;
   const int m = scaled_.rows;
   auto step = step_.head(n);
   step /= calcLargest(step);
-  if (scaled_.g.head(n).dot(step) >= -kDescent * calcLargest(scaled_.g.head(n))) return false;
+  if (scaled_.g.head(n).dot(step) >= -kDescent * calcLargest(scaled_.g.head(n))) return 0;
   curvature_.head(n).noalias() = scaled_.G.topLeftCorner(n, n) * step;
-  if (calcLargest(curvature_.head(n)) > kFlat) return false;
-  row_rate_.head(m).noalias() = scaled_.normals.topLeftCorner(n, m).transpose() * step;
-  for (int k = 0; k < n + m; ++k)
-    if (!staysWithin(k < n ? step(k) : row_rate_(k - n), scaled_.lower(k), scaled_.upper(k))) return false;
-  return true;
+  if (calcLargest(curvature_.head(n)) > kFlat) return 0;
+  double reach = kInfinity;
+  for (int k = 0; k < n; ++k)
+    reach = std::min(reach, calcRoom(active_set_.x()(k), step(k), scaled_.lower(k), scaled_.upper(k)));
+  for (int j = 0; j < m; ++j) {
+    const auto normal = scaled_.normals.col(j).head(n);
+    reach = std::min(
+        reach, calcRoom(normal.dot(active_set_.x()), normal.dot(step), scaled_.lower(n + j), scaled_.upper(n + j)));
+  }
+  return reach;
 }
 
 void DenseQp::reportPoint(const QpProblem& problem, QpSolution& solution) {

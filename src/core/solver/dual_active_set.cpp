@@ -17,6 +17,7 @@ constexpr double kMostFeasibility = 1e-10;  // the same, once many iterations ha
 constexpr double kNoise = 1e-14;            // missing a limit, against the magnitude of x
 constexpr double kDependent = 1e-10;        // share of a normal that the active ones do not span
 constexpr double kDependentAtStart = 1e-7;  // the same for a guessed active set, which need not be taken
+constexpr double kLeastScale = 1e-15;       // of points and of duals, where the problem names none
 constexpr double kWrongSign = 1e-12;        // dual of the wrong sign, against the largest dual
 constexpr double kBlocking = 1e-11;         // rate of a dual, against the largest rate
 constexpr double kImbalance = 1e-10;        // sum of the normals of an infeasibility proof
@@ -157,12 +158,12 @@ void DualActiveSet::refine() {
   factor_.solve(r, primal_residual_.head(active_count), dx_.head(n), du_.head(active_count));
   x_.head(n) += dx_.head(n);
   active_dual_.head(active_count) += du_.head(active_count);
-  magnitude_ = std::max(calcLargest(x_.head(n)), calcLargest(qp_->g.head(n)));
+  magnitude_ = std::max({kLeastScale, calcLargest(x_.head(n)), calcLargest(qp_->g.head(n))});
 }
 
 int DualActiveSet::findWrongSign() const {
   const double scale =
-      std::max(calcLargest(active_dual_.head(factor_.size())), calcLargest(qp_->g.head(qp_->variables)));
+      std::max({kLeastScale, calcLargest(active_dual_.head(factor_.size())), calcLargest(qp_->g.head(qp_->variables))});
   double worst = -kWrongSign * scale;
   int position = -1;
   for (int j = 0; j < factor_.size(); ++j) {
@@ -224,6 +225,7 @@ QpStatus DualActiveSet::enforce(Violation violation, int max_iterations) {
       magnitude_ = std::max(magnitude_, calcLargest(x_.head(qp_->variables)));
     }
     if (full <= blocking.length) {
+      std::fill_n(ignored_.begin(), qp_->constraints(), 0);
       append(k, isEquality(k) ? Side::kEquality : (sign > 0 ? Side::kLower : Side::kUpper), dual);
       return QpStatus::kSolved;
     }
@@ -267,9 +269,11 @@ bool DualActiveSet::provesInfeasible(const Violation& violation) {
   factor_.project(dx_.head(n));
   factor_.calcDualDirection(du_.head(active_count));
   r += du_.head(active_count);
+  const double smallest = kBlocking * std::max(1.0, calcLargest(r));
   for (int j = 0; j < active_count; ++j) {
     const Side at = side(active(j));
-    if (at != Side::kEquality && violation.sign * calcSign(at) * r(j) > 0) r(j) = 0;
+    const bool wrong = at != Side::kEquality && violation.sign * calcSign(at) * r(j) > 0;
+    if (wrong || std::abs(r(j)) <= smallest) r(j) = 0;
   }
   calcRemainder(k);
 

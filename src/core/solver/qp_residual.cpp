@@ -8,7 +8,9 @@ namespace sinew {
 
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-12;
+constexpr double kLeastScale = 1e-6;  // of points and gradients, where the objective has no slope to compare with
 
 double calcRatio(double value, double scale) {
   return value > 0 ? value / scale : 0;
@@ -63,7 +65,7 @@ bool limitsCross(double lower, double upper) {
 double calcGapTerm(double dual, double lower, double upper) {
   if (dual == 0) return 0;
   const double limit = dual > 0 ? lower : upper;
-  return std::isfinite(limit) ? dual * limit : -std::numeric_limits<double>::infinity();
+  return std::isfinite(limit) ? dual * limit : -kInfinity;
 }
 
 }  // namespace
@@ -85,10 +87,13 @@ KktResidual calcKktResidual(const QpProblem& problem, const QpScaling& scaling, 
   const int m = problem.rows;
   const auto x = solution.x.head(n);
   const auto row_dual = solution.row_dual.head(m);
+  if (!x.allFinite() || !row_dual.allFinite() || !solution.bound_dual.head(n).allFinite())
+    return {kInfinity, kInfinity, kInfinity};
 
   double imbalance = 0;
-  double force = 0;
-  double magnitude = 0;
+  const double least = problem.g.head(n).isZero(0) ? kLeastScale : 0;
+  double force = least;
+  double magnitude = least;
   for (int i = 0; i < n; ++i) {
     const auto G_i = problem.G.col(i).head(n);
     const auto C_i = problem.C.col(i).head(m);
@@ -99,7 +104,7 @@ KktResidual calcKktResidual(const QpProblem& problem, const QpScaling& scaling, 
                          C_i.cwiseAbs().dot(row_dual.cwiseAbs());
     imbalance = std::max(imbalance, unit * std::abs(gradient - bound_dual - C_i.dot(row_dual)));
     force = std::max(force, unit * terms);
-    magnitude = std::max(magnitude, std::abs(x(i)) / scaling.unknown(i));
+    magnitude = std::max({magnitude, std::abs(x(i)) / scaling.unknown(i), unit * std::abs(problem.g(i))});
   }
 
   FeasibilityMeasure feasibility(magnitude);
@@ -144,7 +149,7 @@ InfeasibilityProof calcInfeasibilityProof(const QpProblem& problem, const QpScal
     gap += term;
     magnitude += std::abs(term);
   }
-  if (!std::isfinite(gap)) return {calcRatio(imbalance, force), -std::numeric_limits<double>::infinity()};
+  if (!std::isfinite(gap)) return {calcRatio(imbalance, force), -kInfinity};
   return {calcRatio(imbalance, force), magnitude > 0 ? gap / magnitude : 0};
 }
 

@@ -1,0 +1,23 @@
+#pragma once
+
+namespace sinew {
+
+/// Damping on the change of effort that holds a Gauss-Newton chase together where the linear problem misleads it. When
+/// equilibrium moves the rows by more than a fraction of what the last step moved them, the step was too long for its
+/// linearisation and the damping rises; while steps come true it falls, and vanishes.
+class StepDamping {
+ public:
+  /// `surprise`: norm over all rows of the motion at unchanged efforts, which the last linear problem took for zero [m].
+  void update(double surprise);
+  /// `motion`: norm over all rows of the step now taken [m].
+  void recordStep(double motion) { last_motion_ = motion; }
+  void reset() { *this = StepDamping(); }
+
+  double value() const { return value_; }  ///< relative to the best-driven direction
+
+ private:
+  double last_motion_ = 0;
+  double value_ = 0;
+};
+
+}  // namespace sinew

@@ -1,0 +1,107 @@
+"""The validation's checks: what each shows, and which tests print its lines. The one place that joins them."""
+
+import collections
+
+# `tests` are names of ctest; `claim` is one sentence for docs/validation.md.
+Check = collections.namedtuple("Check", "name claim tests")
+
+
+def gtest(name):
+    return f"_ctest_sinew_gtest_{name}"
+
+
+def rostest(name):
+    return f"_ctest_sinew_rostest_test_nodes_{name}.test"
+
+
+CHECKS = (
+    Check(
+        "patch_test",
+        "A body under a linear displacement field has the stress of that field everywhere, small or large, turned or not.",
+        [gtest("fem_patch_test")],
+    ),
+    Check("rigid_motion", "Moving a body rigidly gives no elastic force.", [gtest("fem_patch_test")]),
+    Check(
+        "cantilever",
+        "A cantilever under its own weight, ten times as long as high, against Timoshenko's beam: the value extrapolated "
+        "with order 2 from 6 and 12 cells, the raw one at 12 cells, and the observed order.",
+        [gtest("fem_cantilever_test")],
+    ),
+    Check(
+        "elastica",
+        "A slender cantilever with a load at its tip that bends it far, against the exact elastica.",
+        [gtest("fem_elastica_test")],
+    ),
+    Check(
+        "round_trip_accordion",
+        "Three cables of an accordion are pulled, and the inverse of the reached point gives the pulls back.",
+        [gtest("inverse_round_trip_test")],
+    ),
+    Check(
+        "round_trip_trunk",
+        "Eight cables of the trunk are pulled, and the inverse reaches the same points within the limits and with no more "
+        "energy; with three points each at tip and middle it finds the same pulls.",
+        [gtest("inverse_round_trip_test")],
+    ),
+    Check(
+        "settling",
+        "With a target that stays, the controller's one linearisation a cycle ends in equilibrium.",
+        [gtest("inverse_settling_test")],
+    ),
+    Check(
+        "period_independence",
+        "50, 100 and 200 Hz, static and dynamic, settle to the same answer.",
+        [gtest("inverse_settling_test")],
+    ),
+    Check(
+        "qp_oracle",
+        "Random programmes, degenerate and infeasible ones too, against an exact solver, and larger ones against optimality "
+        "conditions and infeasibility certificates recomputed in the test.",
+        [gtest("solver_qp_oracle_test")],
+    ),
+    Check(
+        "out_of_reach",
+        "Targets that no cable can bring the tip to: the commands come to rest within every limit.",
+        [gtest("inverse_reach_test")],
+    ),
+    Check(
+        "bad_input",
+        "Targets that are not finite, jump, are late, or name what is not there are refused by name, and the next good one "
+        "counts.",
+        [rostest("bad_input")],
+    ),
+    Check(
+        "trunk_circle",
+        "The whole line follows a circle of 40 mm radius at 100 Hz, watched on the wire only; periods are compared with a "
+        "bare sleeping loop of the same priority in the same run.",
+        [rostest("trunk_circle")],
+    ),
+    Check(
+        "restart_mid_motion",
+        "The controller is killed and started again in the middle of the circle: no command steps, and the tip stays.",
+        [rostest("restart_mid_motion")],
+    ),
+    Check(
+        "servo_bus_faults",
+        "Packets on the servo bus are corrupted, dropped and delayed: no wrong value is believed, and the counters agree "
+        "with what was injected.",
+        [gtest("hardware_dynamixel_bus_test"), rostest("servo_bus_faults")],
+    ),
+    Check(
+        "command_loss",
+        "Without a controller the driver holds, then relaxes, in the set times, and says why.",
+        [gtest("hardware_hardware_driver_test"), rostest("command_loss")],
+    ),
+    Check(
+        "command_authority",
+        "A paused clock, a replayed recording, a second publisher and a host clock that is off move nothing.",
+        [rostest("command_authority")],
+    ),
+    Check(
+        "benchmark_trunk",
+        "One Newton step and the quadratic programmes of the shipped trunk on one core, and the share of a core that its "
+        "simulation takes.",
+        ["benchmark_trunk"],
+    ),
+)
+BY_NAME = {check.name: check for check in CHECKS}
