@@ -15,9 +15,9 @@ inline int settle(FemBody& body, const VecX& external, double tolerance, int max
     body.load() += external;
     if (body.load().norm() <= tolerance * load) return k;
     motion = body.load();
-    if (!body.factorise(body.matrix())) {
+    if (!body.factorise()) {
       body.linearise(StepRule(), Tangent::kSemidefinite);
-      if (!body.factorise(body.matrix())) return -1;
+      if (!body.factorise()) return -1;
     }
     body.cholesky().solve(motion);
     body.advance(motion, max_node_step);

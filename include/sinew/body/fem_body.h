@@ -21,7 +21,7 @@ struct StepRule {
 ///   dynamic  A = (1 + beta/h) K + (1/h^2 + alpha/h) M,  b = f + f_ext + M (v - (x - x0)/h)/h - D (x - x0)/h
 /// with D = alpha M + beta K, x0 the position at the start of the step and x that of the present iterate: backward Euler
 /// solved for dx = h dv, so that W = H A^-1 H^T and efforts are forces in both. Actuators add their efforts to `load()`
-/// and their load stiffness to `matrix()` between `linearise` and `factorise`, and likewise to the static pair.
+/// and their load stiffness to `matrix()` between `linearise` and `factorise`.
 class FemBody {
  public:
   FemBody(const FemModel& model, const Vec3& gravity);
@@ -34,11 +34,11 @@ class FemBody {
   void beginStep();
   void linearise(const StepRule& rule, Tangent tangent = Tangent::kExact);
   VecX& load() { return load_; }  ///< b, natural order
-  BlockMatrix& matrix() { return dynamic_ ? dynamic_matrix_ : data_.tangent; }  ///< A
-  /// What `load` and `matrix` would be for the static step: K and the forces out of balance.
+  const VecX& load() const { return load_; }
+  BlockMatrix& matrix() { return data_.tangent; }  ///< A
+  /// Elastic and gravity forces of the linearisation point, without inertia: with the actuators' it is the imbalance.
   VecX& imbalance() { return imbalance_; }
-  BlockMatrix& stiffness() { return data_.tangent; }
-  bool factorise(const BlockMatrix& matrix) { return cholesky_.factorise(matrix); }
+  bool factorise() { return cholesky_.factorise(data_.tangent); }
   SparseCholesky& cholesky() { return cholesky_; }
 
   /// Moves the free nodes by `scale` dx, where `scale` <= 1 keeps every node's way below `max_node_step`; returns it.
@@ -47,14 +47,14 @@ class FemBody {
   void endStep(const StepRule& rule);
   /// Returns to the configuration in which the step began.
   void abandonStep();
+  /// At rest at `positions` [m, every mesh node].
+  void place(const std::vector<Vec3>& positions);
   /// Back to the rest configuration.
-  void reset();
+  void reset() { place(model_->rest()); }
 
  private:
   const FemModel* model_;
   FemData data_;
-  BlockMatrix dynamic_matrix_;
-  bool dynamic_ = false;
   SparseCholesky cholesky_;
   std::vector<Vec3> positions_;
   std::vector<Vec3> start_;

@@ -16,8 +16,7 @@ namespace sinew {
 /// Rows are the actuators, in order, then the effectors' controlled axes.
 class CondensedRobot {
  public:
-  /// `with_rest`: a dynamic robot is condensed a second time, as it would come to rest.
-  CondensedRobot(std::shared_ptr<const RobotModel> robot, bool with_rest);
+  explicit CondensedRobot(std::shared_ptr<const RobotModel> robot);
 
   const RobotModel& robot() const { return *robot_; }
   FemBody& body() { return body_; }
@@ -33,11 +32,8 @@ class CondensedRobot {
   /// its place, with the cost of a second assembly; false when even that is not positive definite.
   bool condense(StageTimes& times);
 
-  const MatX& compliance() const { return step_.compliance; }   ///< W, rows x rows [m/N]
-  const VecX& freeMotion() const { return step_.free_motion; }  ///< H dx_free, one per row [m]
-  /// The same for the robot come to rest, of K and the imbalance; in a static robot the two are one.
-  const MatX& restCompliance() const { return condensesRest() ? rest_.compliance : step_.compliance; }
-  const VecX& restMotion() const { return condensesRest() ? rest_.free_motion : step_.free_motion; }
+  const MatX& compliance() const { return compliance_; }   ///< W, rows x rows [m/N]
+  const VecX& freeMotion() const { return free_motion_; }  ///< H dx_free, one per row [m]
   const VecX& displacement() const { return displacement_; } ///< delta_a at the linearisation, per actuator [m]
   double residual() const { return residual_; }              ///< N, unbalanced force at the linearisation
   double loadNorm() const { return load_norm_; }             ///< N, gravity and cables'
@@ -48,25 +44,16 @@ class CondensedRobot {
   void reset();
 
  private:
-  struct Condensed {
-    MatX compliance;
-    VecX free_motion;
-  };
   void assembleSystem(Tangent tangent);
-  bool factorise(const BlockMatrix& matrix, StageTimes& times);
-  bool condenseSystems(StageTimes& times);
-  void condense(const VecX& load, Condensed& condensed, StageTimes& times);
-
-  bool condensesRest() const { return with_rest_ && rule_.dynamic; }
+  bool factorise(StageTimes& times);
 
   std::shared_ptr<const RobotModel> robot_;
-  bool with_rest_;
   FemBody body_;
   ConstraintRows rows_;
   int actuators_;
   MatX half_;  // Y = L^-1 P [H^T b]
-  Condensed step_, rest_;
-  VecX effort_, displacement_, cable_force_, half_motion_, motion_;
+  MatX compliance_;
+  VecX effort_, free_motion_, displacement_, cable_force_, half_motion_, motion_;
   StepRule rule_;
   double residual_ = 0, load_norm_ = 0;
 };

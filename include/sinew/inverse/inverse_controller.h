@@ -55,7 +55,8 @@ struct CycleOutput {
 };
 
 /// Finds, every cycle, the cable displacements that bring the effectors nearest to their targets, and among equal ones
-/// those of least potential energy (thesis 3.3). The model integrates its own state.
+/// those of least potential energy (thesis 3.3). The plan is quasi-static; in a dynamic robot a second body follows the
+/// commands with inertia and damping, and is what the effectors and nodes report. The model integrates its own state.
 class InverseController {
  public:
   explicit InverseController(std::shared_ptr<const RobotModel> robot);

@@ -8,7 +8,6 @@ namespace sinew {
 FemBody::FemBody(const FemModel& model, const Vec3& gravity)
     : model_(&model),
       data_(model),
-      dynamic_matrix_(model.pattern()),
       cholesky_(model.pattern()),
       positions_(model.rest()),
       start_(model.rest()),
@@ -26,20 +25,18 @@ void FemBody::linearise(const StepRule& rule, Tangent tangent) {
   assemble(*model_, positions_, tangent, data_);
   imbalance_ = data_.force + gravity_force_;
   load_ = imbalance_;
-  dynamic_ = rule.dynamic;
-  if (!dynamic_) return;
+  if (!rule.dynamic) return;
 
   const double h = rule.period;
   const std::vector<int>& nodes = model_->freeNodes();
   for (int i = 0; i < model_->freeCount(); ++i) way_.segment<3>(3 * i) = positions_[nodes[i]] - start_[nodes[i]];
   data_.tangent.addProduct(-rule.damping_stiffness / h, way_, load_);
-  dynamic_matrix_.values() = data_.tangent.values();
-  dynamic_matrix_.scale(1 + rule.damping_stiffness / h);
+  data_.tangent.scale(1 + rule.damping_stiffness / h);
   const double inertia = 1 / (h * h) + rule.damping_mass / h;
   for (int i = 0; i < model_->freeCount(); ++i) {
     const double mass = model_->mass()[i];
     load_.segment<3>(3 * i) += mass / h * velocity_.segment<3>(3 * i) - mass * inertia * way_.segment<3>(3 * i);
-    dynamic_matrix_.add(model_->pattern().slot(i, i), mass * inertia * Mat3::Identity());
+    data_.tangent.add(model_->pattern().slot(i, i), mass * inertia * Mat3::Identity());
   }
 }
 
@@ -68,11 +65,10 @@ void FemBody::endStep(const StepRule& rule) {
 
 void FemBody::abandonStep() { std::copy(start_.begin(), start_.end(), positions_.begin()); }
 
-void FemBody::reset() {
-  std::copy(model_->rest().begin(), model_->rest().end(), positions_.begin());
+void FemBody::place(const std::vector<Vec3>& positions) {
+  std::copy(positions.begin(), positions.end(), positions_.begin());
   beginStep();
   velocity_.setZero();
-  std::fill(data_.rotations.begin(), data_.rotations.end(), Mat3::Identity());
 }
 
 }  // namespace sinew

@@ -21,16 +21,15 @@ int countEntries(const RobotModel& robot) {
 
 }  // namespace
 
-CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot, bool with_rest)
+CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
     : robot_(std::move(robot)),
-      with_rest_(with_rest),
       body_(robot_->fem(), robot_->description().gravity),
       rows_(robot_->fem(), countRows(*robot_), countEntries(*robot_)),
       actuators_(robot_->actuatorCount()),
       half_(robot_->fem().size(), countRows(*robot_) + 1),
-      step_{MatX(countRows(*robot_), countRows(*robot_)), VecX(countRows(*robot_))},
-      rest_(step_),
+      compliance_(countRows(*robot_), countRows(*robot_)),
       effort_(VecX::Zero(actuators_)),
+      free_motion_(countRows(*robot_)),
       displacement_(VecX::Zero(actuators_)),
       cable_force_(VecX::Zero(robot_->fem().size())),
       half_motion_(robot_->fem().size()),
@@ -53,13 +52,9 @@ void CondensedRobot::assembleSystem(Tangent tangent) {
     cable.addRow(positions, rows_);
     rows_.addTransposed(i, effort_[i], cable_force_);
     cable.addLoadStiffness(positions, effort_[i], body_.matrix());
-    if (condensesRest()) cable.addLoadStiffness(positions, effort_[i], body_.stiffness());
   }
   load_norm_ = body_.gravityForce().norm() + cable_force_.norm();
-  for (const Cable& cable : robot_->cables()) {
-    cable.addTube(positions, &cable_force_, &body_.matrix());
-    if (condensesRest()) cable.addTube(positions, nullptr, &body_.stiffness());
-  }
+  for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, &body_.matrix());
   for (const PointEffector& effector : robot_->effectors()) effector.addRows(rows_);
   body_.load() += cable_force_;
   body_.imbalance() += cable_force_;
@@ -73,42 +68,32 @@ void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTi
   assembleSystem(Tangent::kExact);
 }
 
-bool CondensedRobot::factorise(const BlockMatrix& matrix, StageTimes& times) {
-  const StageTimer timer(times.factor);
-  return body_.factorise(matrix);
-}
-
-// The step's system comes last: its factor is the one that `advance` needs.
-bool CondensedRobot::condenseSystems(StageTimes& times) {
-  if (condensesRest()) {
-    if (!factorise(body_.stiffness(), times)) return false;
-    condense(body_.imbalance(), rest_, times);
+bool CondensedRobot::factorise(StageTimes& times) {
+  {
+    const StageTimer timer(times.factor);
+    if (body_.factorise()) return true;
   }
-  if (!factorise(body_.matrix(), times)) return false;
-  condense(body_.load(), step_, times);
-  return true;
-}
-
-bool CondensedRobot::condense(StageTimes& times) {
-  if (condenseSystems(times)) return true;
   {
     const StageTimer timer(times.assembly);
     assembleSystem(Tangent::kSemidefinite);
   }
-  return condenseSystems(times);
+  const StageTimer timer(times.factor);
+  return body_.factorise();
 }
 
-void CondensedRobot::condense(const VecX& load, Condensed& condensed, StageTimes& times) {
+bool CondensedRobot::condense(StageTimes& times) {
+  if (!factorise(times)) return false;
   const StageTimer timer(times.compliance);
   SparseCholesky& cholesky = body_.cholesky();
   const auto place = [&cholesky](int i) { return cholesky.permuted(i); };
   half_.setZero();
   for (int i = 0; i < rows(); ++i) rows_.scatter(i, place, half_.col(i).data());
-  for (int i = 0; i < cholesky.size(); ++i) half_(place(i), rows()) = load[i];
+  for (int i = 0; i < cholesky.size(); ++i) half_(place(i), rows()) = body_.load()[i];
   cholesky.forwardSolve(half_, rows() + 1);
   const auto Y = half_.leftCols(rows());
-  condensed.compliance.noalias() = Y.transpose() * Y;
-  condensed.free_motion.noalias() = Y.transpose() * half_.col(rows());
+  compliance_.noalias() = Y.transpose() * Y;
+  free_motion_.noalias() = Y.transpose() * half_.col(rows());
+  return true;
 }
 
 double CondensedRobot::advance(const VecX& effort_change, double max_node_step, StageTimes& times) {

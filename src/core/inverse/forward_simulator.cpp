@@ -12,7 +12,7 @@ struct ForwardSimulator::Impl {
   StageTimes times;
 
   explicit Impl(std::shared_ptr<const RobotModel> robot)
-      : condensed(robot, false),
+      : condensed(robot),
         forward(*robot),
         effort(VecX::Zero(robot->actuatorCount())),
         displacement(VecX::Zero(robot->actuatorCount())),

@@ -46,10 +46,11 @@ ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule
 bool ForwardStep::settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot,
                           const VecX& effort) const {
   if (!(robot.residual() <= tolerance * robot.loadNorm())) return false;
+  const double slack = tolerance * effort.cwiseAbs().maxCoeff();
   for (int i = 0; i < robot.actuators(); ++i) {
     const Cable& cable = robot.robot().cables()[i];
     const double excess = robot.displacement()[i] - actuation.value[i];
-    const bool taut = effort[i] > cable.description().tension.min;
+    const bool taut = effort[i] > cable.description().tension.min + slack;
     if (actuation.mode[i] == Actuation::Mode::kEffort) {
       if (effort[i] != actuation.value[i]) return false;
     } else if ((taut ? std::abs(excess) : -excess) > tolerance * cable.restLength()) {

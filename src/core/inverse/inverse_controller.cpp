@@ -42,9 +42,38 @@ HoldReason reasonOf(ForwardStatus status) {
 
 }  // namespace
 
+// The body of a dynamic robot: it follows the commanded displacements with inertia and damping, apart from the plan.
+// Planning about the moving state instead would make the settled answer depend on the period, since A^-1 then decides
+// over the actuators' redundancy, and lets vibrations into the commands.
+struct MovingBody {
+  CondensedRobot condensed;
+  ForwardStep forward;
+  Actuation winches;
+  VecX effort;
+
+  explicit MovingBody(const std::shared_ptr<const RobotModel>& robot)
+      : condensed(robot), forward(*robot), effort(VecX::Zero(robot->actuatorCount())) {
+    winches.mode.assign(static_cast<std::size_t>(robot->actuatorCount()), Actuation::Mode::kDisplacement);
+    winches.value = VecX::Zero(robot->actuatorCount());
+  }
+
+  ForwardStatus follow(const VecX& displacement, double period, StageTimes& times) {
+    winches.value = displacement;
+    const ForwardStatus status = forward.step(winches, condensed.makeRule(period), condensed, effort, times);
+    if (status != ForwardStatus::kSolved) condensed.body().abandonStep();
+    return status;
+  }
+
+  void place(const std::vector<Vec3>& positions, const VecX& new_effort) {
+    condensed.body().place(positions);
+    effort = new_effort;
+  }
+};
+
 struct InverseController::Impl {
   std::shared_ptr<const RobotModel> robot;
   CondensedRobot condensed;
+  std::unique_ptr<MovingBody> moving;  // of a dynamic robot
   ForwardStep forward;
   InverseProblem problem;
   InverseProblemData data;
@@ -61,7 +90,7 @@ struct InverseController::Impl {
 
   explicit Impl(std::shared_ptr<const RobotModel> model)
       : robot(model),
-        condensed(model, true),
+        condensed(model),
         forward(*model),
         problem(model->actuatorCount(), maxEffectorRows(*model)),
         data(model->actuatorCount(), maxEffectorRows(*model)),
@@ -75,7 +104,10 @@ struct InverseController::Impl {
         last_valid_effort(VecX::Zero(model->actuatorCount())) {
     held.mode.assign(static_cast<std::size_t>(actuators()), Actuation::Mode::kDisplacement);
     held.value = VecX::Zero(actuators());
+    if (model->description().control.model == MotionModel::kDynamic) moving = std::make_unique<MovingBody>(model);
   }
+
+  const std::vector<Vec3>& positions() const { return (moving ? moving->condensed : condensed).body().positions(); }
 
   int actuators() const { return robot->actuatorCount(); }
   const Limits& displacementLimits(int i) const { return robot->cables()[i].description().displacement; }
@@ -103,66 +135,54 @@ struct InverseController::Impl {
     }
   }
 
-  // Calls use(effector, its first row in the condensed robot, its first row among the targeted ones).
-  template <typename Use>
-  void forEachTargeted(const CycleInput& input, const Use& use) {
-    int row = actuators();
+  // The targeted effectors' rows, with the error they have when the efforts stay as they are. A goal farther than the reach of one cycle is chased
+  // part of the way: one factor for all rows keeps the stationary points.
+  double gatherProblem(const CycleInput& input, CycleOutput& output) {
+    const int n = actuators();
+    int row = n;
     data.effector_rows = 0;
     for (int e = 0; e < robot->effectorCount(); ++e) {
-      const int count = robot->effectors()[e].rowCount();
+      const PointEffector& effector = robot->effectors()[e];
+      const int count = effector.rowCount();
       if (input.targeted[e]) {
-        use(e, row, data.effector_rows);
+        double* error = data.effector_error.data() + data.effector_rows;
+        effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e), error);
+        data.effector_error.segment(data.effector_rows, count) += condensed.freeMotion().segment(row, count);
+        data.W_ea.middleRows(data.effector_rows, count) = condensed.compliance().block(row, 0, count, n);
         data.effector_rows += count;
       }
       row += count;
     }
-  }
-
-  // The robot come to rest: where efforts alone would bring it. A goal farther than the reach of one cycle is chased
-  // part of the way: one factor for all rows keeps the stationary points.
-  double gatherRest(const CycleInput& input, CycleOutput& output) {
-    const int n = actuators();
-    forEachTargeted(input, [&](int e, int row, int first) {
-      const PointEffector& effector = robot->effectors()[e];
-      effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e),
-                         data.effector_error.data() + first);
-      data.effector_error.segment(first, effector.rowCount()) += condensed.restMotion().segment(row, effector.rowCount());
-      data.W_ea.middleRows(first, effector.rowCount()) =
-          condensed.restCompliance().block(row, 0, effector.rowCount(), n);
-    });
     const ControlDescription& control = robot->description().control;
     const double distance = data.effector_error.head(data.effector_rows).norm();
     output.goal_scale = distance > control.reach_per_cycle ? control.reach_per_cycle / distance : 1.0;
     data.effector_error.head(data.effector_rows) *= output.goal_scale;
     data.damping = control.smoothing + damping.value() + kFarGoalDamping * (1 - output.goal_scale);
     data.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * control.reach_per_cycle : 0;
-    data.W_aa = condensed.restCompliance().topLeftCorner(n, n);
-    data.displacement = condensed.displacement() + condensed.restMotion().head(n);
+    data.W_aa = condensed.compliance().topLeftCorner(n, n);
+    data.displacement = condensed.displacement() + condensed.freeMotion().head(n);
     data.effort = effort;
     return distance;
   }
 
   HoldReason planEfforts(const CycleInput& input, CycleOutput& output) {
     const StageTimer timer(output.times.qp);
-    if (!std::isfinite(gatherRest(input, output))) return HoldReason::kNotFinite;
+    if (!std::isfinite(gatherProblem(input, output))) return HoldReason::kNotFinite;
     output.qp_status = problem.solve(data, limits, result);
     output.qp_iterations += result.iterations;
-    row_motion = condensed.restMotion();
-    row_motion.noalias() += condensed.restCompliance().leftCols(actuators()) * result.effort_change;
+    row_motion = condensed.freeMotion();
+    row_motion.noalias() += condensed.compliance().leftCols(actuators()) * result.effort_change;
     return output.qp_status == QpStatus::kSolved ? HoldReason::kNone : HoldReason::kQpFailed;
   }
 
-  HoldReason newtonStep(const CycleInput& input, const StepRule& rule, CycleOutput& output) {
-    condensed.linearise(effort, rule, output.times);
+  HoldReason newtonStep(const CycleInput& input, CycleOutput& output) {
+    condensed.linearise(effort, StepRule(), output.times);
     if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
     if (!condensed.condense(output.times)) return HoldReason::kNotPositiveDefinite;
-    if (!rule.dynamic) damping.update(condensed.freeMotion().norm());
+    damping.update(condensed.freeMotion().norm());
     const HoldReason reason = planEfforts(input, output);
     if (reason != HoldReason::kNone) return reason;
-    return rule.dynamic ? moveDynamic(output) : moveStatic(output);
-  }
 
-  HoldReason moveStatic(CycleOutput& output) {
     const double scale =
         condensed.advance(result.effort_change, robot->description().control.max_node_step, output.times);
     effort += scale * result.effort_change;
@@ -171,23 +191,14 @@ struct InverseController::Impl {
     return linear_displacement.allFinite() && effort.allFinite() ? HoldReason::kNone : HoldReason::kNotFinite;
   }
 
-  // The winches go where the plan wants the cables at rest; the body follows with its inertia and damping. What the
-  // controller asks for thus never depends on vibrations, nor the settled answer on the period.
-  HoldReason moveDynamic(CycleOutput& output) {
-    linear_displacement = condensed.displacement() + row_motion.head(actuators());
-    held.value = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
-    return reasonOf(forward.move(held, condensed, effort, output.times));
-  }
-
   void reportState(const CycleInput& input, CycleOutput& output) {
-    const std::vector<Vec3>& positions = condensed.body().positions();
     double squared = 0;
     for (int e = 0; e < robot->effectorCount(); ++e) {
       const PointEffector& effector = robot->effectors()[e];
-      output.effectors.segment<3>(3 * e) = effector.calcPosition(positions);
+      output.effectors.segment<3>(3 * e) = effector.calcPosition(positions());
       if (!input.targeted[e]) continue;
       double error[3];
-      effector.calcError(positions, input.targets.segment<3>(3 * e), error);
+      effector.calcError(positions(), input.targets.segment<3>(3 * e), error);
       for (int k = 0; k < effector.rowCount(); ++k) squared += error[k] * error[k];
     }
     output.effector_error = std::sqrt(squared);
@@ -239,8 +250,20 @@ struct InverseController::Impl {
     return std::find(input.targeted.begin(), input.targeted.end(), true) != input.targeted.end();
   }
 
+  // Ends a cycle whose plan stands: the dynamic body, where there is one, goes after the command.
+  CycleStatus finish(const CycleInput& input, CycleStatus status, CycleOutput& output) {
+    if (moving) {
+      const ForwardStatus moved = moving->follow(command, input.period, output.times);
+      if (moved != ForwardStatus::kSolved) return hold(input, reasonOf(moved), output);
+    }
+    output.status = status;
+    output.reason = HoldReason::kNone;
+    reportState(input, output);
+    reportLimits(output);
+    return status;
+  }
+
   CycleStatus track(const CycleInput& input, CycleOutput& output) {
-    const StepRule rule = condensed.makeRule(input.period);
     if (input.applied.size() == actuators()) command = input.applied;
     cycle_start = command;
     last_valid_effort = effort;
@@ -248,7 +271,7 @@ struct InverseController::Impl {
     condensed.body().beginStep();
     bool gave_way = false;
     for (int k = 0; k < robot->description().control.newton_steps; ++k) {
-      const HoldReason reason = newtonStep(input, rule, output);
+      const HoldReason reason = newtonStep(input, output);
       if (reason != HoldReason::kNone) {
         condensed.body().abandonStep();
         return hold(input, reason, output);
@@ -256,14 +279,9 @@ struct InverseController::Impl {
       ++output.newton_steps;
       gave_way = result.effort_violation.maxCoeff() > kOnLimit;
     }
-    condensed.body().endStep(rule);
     // Rounding must not carry a command past a hard limit.
     command = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
-    output.status = gave_way ? CycleStatus::kDegraded : CycleStatus::kSolved;
-    output.reason = HoldReason::kNone;
-    reportState(input, output);
-    reportLimits(output);
-    return output.status;
+    return finish(input, gave_way ? CycleStatus::kDegraded : CycleStatus::kSolved, output);
   }
 
   CycleStatus follow(const CycleInput& input, const VecX& displacement, CycleOutput& output) {
@@ -274,8 +292,7 @@ struct InverseController::Impl {
     last_valid_effort = effort;
     cycle_start = displacement;
     updateLimits(input.period);
-    const ForwardStatus status =
-        forward.step(held, condensed.makeRule(input.period), condensed, effort, output.times);
+    const ForwardStatus status = forward.step(held, StepRule(), condensed, effort, output.times);
     output.qp_iterations = forward.qpIterations();
     output.newton_steps = 1;
     if (status != ForwardStatus::kSolved) {
@@ -283,18 +300,14 @@ struct InverseController::Impl {
       return hold(input, reasonOf(status), output);
     }
     command = displacement;
-    output.status = CycleStatus::kSolved;
-    output.reason = HoldReason::kNone;
-    reportState(input, output);
-    reportLimits(output);
-    return output.status;
+    return finish(input, CycleStatus::kSolved, output);
   }
 
   double distanceTo(const VecX& measured) const {
     double worst = 0;
     for (int i = 0; i < actuators(); ++i) {
       const double excess = robot->cables()[i].calcDisplacement(condensed.body().positions()) - measured[i];
-      const bool taut = effort[i] > tensionLimits(i).min;
+      const bool taut = effort[i] > tensionLimits(i).min + kSyncTolerance * effort.cwiseAbs().maxCoeff();
       worst = std::max(worst, taut ? std::abs(excess) : -excess);
     }
     return worst;
@@ -371,6 +384,7 @@ double InverseController::resynchronise(const VecX& measured) {
     }
   }
   impl.command = measured;
+  if (impl.moving) impl.moving->place(impl.condensed.body().positions(), impl.effort);
   impl.damping.reset();
   impl.problem.forget();
   return impl.distanceTo(measured);
@@ -379,13 +393,14 @@ double InverseController::resynchronise(const VecX& measured) {
 void InverseController::reset() {
   impl_->condensed.reset();
   impl_->effort.setZero();
+  if (impl_->moving) impl_->moving->place(impl_->condensed.body().positions(), impl_->effort);
   impl_->command.setZero();
   impl_->last_valid_effort.setZero();
   impl_->damping.reset();
   impl_->problem.forget();
 }
 
-const std::vector<Vec3>& InverseController::nodes() const { return impl_->condensed.body().positions(); }
+const std::vector<Vec3>& InverseController::nodes() const { return impl_->positions(); }
 
 void InverseController::calcCablePoints(int cable, std::vector<Vec3>& points) const {
   robot().cables()[cable].calcPoints(nodes(), points);
