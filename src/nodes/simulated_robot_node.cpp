@@ -6,10 +6,7 @@
 #include <ros/ros.h>
 #include <sinew/BodyState.h>
 #include <sinew/EffectorTargets.h>
-#if __has_include(<sinew/InjectFault.h>)
 #include <sinew/InjectFault.h>
-#define SINEW_INJECT
-#endif
 
 #include <algorithm>
 #include <atomic>
@@ -89,9 +86,7 @@ class SimulatedRobotNode {
     effectors_ = node_.advertise<EffectorTargets>("plant/effectors", 10);
     body_message_ = makeBodyMessage(plant_.robot());
     body_ = node_.advertise<BodyState>("plant/body_state", 2);
-#ifdef SINEW_INJECT
     inject_ = private_node.advertiseService("inject", &SimulatedRobotNode::onInject, this);
-#endif
     diagnostics_.setHardwareID("simulated");
     diagnostics_.add("simulated robot", this, &SimulatedRobotNode::diagnose);
     diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) {
@@ -121,7 +116,6 @@ class SimulatedRobotNode {
     }
   }
 
-#ifdef SINEW_INJECT
   bool onInject(InjectFault::Request& request, InjectFault::Response& response) {
     const FaultDesk::Answer answer = faults_.inject(request.fault, request.actuator, request.value);
     response.success = answer.success;
@@ -129,7 +123,6 @@ class SimulatedRobotNode {
     if (answer.success) ROS_INFO("injected: %s", answer.message.c_str());
     return true;
   }
-#endif
 
   void moveServos() {
     PeriodicWakeUp wake_up(kServoPeriod);

@@ -13,7 +13,8 @@ struct BarModel {
   FemModel fem;
 
   BarModel(const Vec3& size, int nx, int ny, int nz, double young_modulus, double poisson_ratio, double density)
-      : mesh(makeBarMesh(size, nx, ny, nz)), fem(mesh, material(young_modulus, poisson_ratio, density), clamped(), {}) {}
+      : mesh(makeBarMesh(size, nx, ny, nz)),
+        fem(mesh, material(young_modulus, poisson_ratio, density), clamped(), {}) {}
 
   std::vector<Material> material(double young_modulus, double poisson_ratio, double density) const {
     return std::vector<Material>(mesh.tets.size(), Material{calcLame(young_modulus, poisson_ratio), density});

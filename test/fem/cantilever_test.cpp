@@ -7,11 +7,11 @@
 namespace sinew {
 namespace {
 
-constexpr double kHeight = 0.02;             // m, square section
-constexpr double kLength = 10 * kHeight;     // m
-constexpr double kYoungModulus = 1e6;        // Pa
-constexpr double kDensity = 1000;            // kg/m3
-constexpr double kGravity = 0.05;            // m/s2, so small that the deflection stays linear
+constexpr double kHeight = 0.02;          // m, square section
+constexpr double kLength = 10 * kHeight;  // m
+constexpr double kYoungModulus = 1e6;     // Pa
+constexpr double kDensity = 1000;         // kg/m3
+constexpr double kGravity = 0.05;         // m/s2, so small that the deflection stays linear
 
 double tipDeflection(int cells, double poisson_ratio) {
   const BarModel bar(Vec3(kLength, kHeight, kHeight), 10 * cells, cells, cells, kYoungModulus, poisson_ratio, kDensity);

@@ -5,10 +5,10 @@
 namespace sinew {
 namespace {
 
-constexpr double kHeight = 0.01;             // m, square section
+constexpr double kHeight = 0.01;  // m, square section
 constexpr double kSlenderness = 40;
 constexpr double kLength = kSlenderness * kHeight;
-constexpr double kYoungModulus = 1e6;        // Pa
+constexpr double kYoungModulus = 1e6;                                                             // Pa
 constexpr double kBendingStiffness = kYoungModulus * kHeight * kHeight * kHeight * kHeight / 12;  // N m2
 
 struct Tip {
@@ -16,8 +16,8 @@ struct Tip {
   double reach;       // of the length, along the undeformed axis
 };
 
-// Euler's elastica under a dead load at the tip: theta'' = -alpha cos(theta), theta(0) = 0, theta'(1) = 0, alpha = P L^2 / E I.
-// Shooting on theta'(0) by bisection over Runge-Kutta integration.
+// Euler's elastica under a dead load at the tip: theta'' = -alpha cos(theta), theta(0) = 0, theta'(1) = 0, alpha = P
+// L^2 / E I. Shooting on theta'(0) by bisection over Runge-Kutta integration.
 Tip exactTip(double alpha) {
   Tip tip{};
   const auto endSlope = [&](double slope) {

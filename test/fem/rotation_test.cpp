@@ -52,7 +52,8 @@ TEST(Rotation, FollowsFromAWarmStart) {
 }
 
 TEST(Rotation, IsProperForFlatInvertedAndCollapsedElements) {
-  for (const Vec3& s : {Vec3(1, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 0), Vec3(1, 1, -1), Vec3(-1, -1, -1), Vec3(2, 1, -0.1)}) {
+  for (const Vec3& s :
+       {Vec3(1, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 0), Vec3(1, 1, -1), Vec3(-1, -1, -1), Vec3(2, 1, -0.1)}) {
     Mat3 R = Mat3::Identity();
     updateRotation(s.asDiagonal() * Mat3::Identity(), R);
     expectProper(R);

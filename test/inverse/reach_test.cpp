@@ -6,10 +6,10 @@ namespace sinew {
 namespace {
 
 struct Reach {
-  double settled_at = 0;        // s, from when on the commands stay within 1e-6 m over 200 cycles
+  double settled_at = 0;           // s, from when on the commands stay within 1e-6 m over 200 cycles
   double displacement_excess = 0;  // m
-  double tension_excess = 0;    // of the largest tension
-  double alternation = 0;       // m, largest command step that reverses the one before while settled
+  double tension_excess = 0;       // of the largest tension
+  double alternation = 0;          // m, largest command step that reverses the one before while settled
 };
 
 // A target that no command can bring the tip to.
@@ -28,12 +28,10 @@ Reach chase(const RobotDescription& description, const Vec3& target) {
     commands.push_back(output.displacement);
     for (int i = 0; i < output.displacement.size(); ++i) {
       const CableDescription& cable = controller.robot().cables()[i].description();
-      reach.displacement_excess =
-          std::max({reach.displacement_excess, output.displacement[i] - cable.displacement.max,
-                    cable.displacement.min - output.displacement[i]});
-      reach.tension_excess =
-          std::max({reach.tension_excess, (output.effort[i] - cable.tension.max) / cable.tension.max,
-                    (cable.tension.min - output.effort[i]) / cable.tension.max});
+      reach.displacement_excess = std::max({reach.displacement_excess, output.displacement[i] - cable.displacement.max,
+                                            cable.displacement.min - output.displacement[i]});
+      reach.tension_excess = std::max({reach.tension_excess, (output.effort[i] - cable.tension.max) / cable.tension.max,
+                                       (cable.tension.min - output.effort[i]) / cable.tension.max});
     }
   }
   int settled = kCycles;

@@ -28,8 +28,7 @@ inline int settle(InverseController& controller, const CycleInput& input, CycleO
   for (int k = 0; k < max_cycles; ++k) {
     const VecX before = output.displacement;
     if (controller.step(input, output) == CycleStatus::kHeld) return -1;
-    if (k > 0 && (output.displacement - before).cwiseAbs().maxCoeff() < tolerance &&
-        output.residual_relative < 1e-8) {
+    if (k > 0 && (output.displacement - before).cwiseAbs().maxCoeff() < tolerance && output.residual_relative < 1e-8) {
       return k;
     }
   }

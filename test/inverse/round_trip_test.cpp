@@ -9,15 +9,15 @@ namespace sinew {
 namespace {
 
 struct RoundTrip {
-  VecX applied;    // m, as the cables stand in the forward run
-  VecX recovered;  // m
-  VecX reached;    // m, effectors of the forward run
-  VecX regained;   // m, effectors of the inverse run
+  VecX applied;                                     // m, as the cables stand in the forward run
+  VecX recovered;                                   // m
+  VecX reached;                                     // m, effectors of the forward run
+  VecX regained;                                    // m, effectors of the inverse run
   double applied_energy = 0, recovered_energy = 0;  // J, above the robot at rest under gravity
 };
 
-// Potential of gravity plus the elastic energy, summed over the elements as V (mu |F - R|^2 + lambda / 2 tr(R^T F - I)^2)
-// with R from a singular value decomposition.
+// Potential of gravity plus the elastic energy, summed over the elements as V (mu |F - R|^2 + lambda / 2 tr(R^T F -
+// I)^2) with R from a singular value decomposition.
 double potentialEnergy(const RobotModel& robot, const std::vector<Vec3>& nodes) {
   double energy = 0;
   for (const FemModel::Element& element : robot.fem().elements()) {

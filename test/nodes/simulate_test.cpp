@@ -40,6 +40,7 @@ std::shared_ptr<const RobotModel> makeBar() {
   RobotDescription bar;
   bar.name = "bar";
   bar.file = "bar.yaml";
+  bar.gravity = Vec3(0, 0, -9.81);
   MaterialDescription rubber;
   rubber.young_modulus = 1e5;
   rubber.poisson_ratio = 0.3;

@@ -19,9 +19,9 @@ struct StepRule {
 /// nodes [m],  A dx = b:
 ///   static   A = K,  b = f + f_ext
 ///   dynamic  A = (1 + beta/h) K + (1/h^2 + alpha/h) M,  b = f + f_ext + M (v - (x - x0)/h)/h - D (x - x0)/h
-/// with D = alpha M + beta K, x0 the position at the start of the step and x that of the present iterate: backward Euler
-/// solved for dx = h dv, so that W = H A^-1 H^T and efforts are forces in both. Actuators add their efforts to `load()`
-/// and their load stiffness to `matrix()` between `linearise` and `factorise`.
+/// with D = alpha M + beta K, x0 the position at the start of the step and x that of the present iterate: backward
+/// Euler solved for dx = h dv, so that W = H A^-1 H^T and efforts are forces in both. Actuators add their efforts to
+/// `load()` and their load stiffness to `matrix()` between `linearise` and `factorise`.
 class FemBody {
  public:
   FemBody(const FemModel& model, const Vec3& gravity);

@@ -20,8 +20,8 @@ class ConstraintRows {
   void add(const EmbeddedPoint& point, const Vec3& derivative);
 
   int rows() const { return static_cast<int>(start_.size()); }
-  double dot(int row, const VecX& x) const;                        ///< (H x)_row
-  void addTransposed(int row, double factor, VecX& force) const;   ///< force += factor H_row^T
+  double dot(int row, const VecX& x) const;                       ///< (H x)_row
+  void addTransposed(int row, double factor, VecX& force) const;  ///< force += factor H_row^T
   /// Writes H_row^T into `column` of length model.size(), each degree of freedom i at place[i].
   template <typename Place>
   void scatter(int row, const Place& place, double* column) const {

@@ -19,8 +19,8 @@ TetShape makeTetShape(const std::array<Vec3, 4>& rest);
 
 /// Element quantities in the present configuration.
 struct TetLinearisation {
-  TetGradients forces;               ///< on the nodes, pulling back to rest, N
-  std::array<Mat3, 10> stiffness;    ///< blocks (a, b), a >= b, in the order 00 10 11 20 21 22 30 31 32 33, N/m
+  TetGradients forces;             ///< on the nodes, pulling back to rest, N
+  std::array<Mat3, 10> stiffness;  ///< blocks (a, b), a >= b, in the order 00 10 11 20 21 22 30 31 32 33, N/m
 };
 
 /// Which derivative of the forces an assembly gives.

@@ -20,8 +20,8 @@ struct Material {
 class FemModel {
  public:
   struct Element {
-    std::array<int, 4> nodes;            ///< mesh nodes, ascending, so that block (a, b) with a > b is a lower one
-    std::array<BlockSlot, 10> slots;     ///< of the stiffness blocks; first = -1 where a node is fixed
+    std::array<int, 4> nodes;         ///< mesh nodes, ascending, so that block (a, b) with a > b is a lower one
+    std::array<BlockSlot, 10> slots;  ///< of the stiffness blocks; first = -1 where a node is fixed
     TetShape shape;
     Lame lame;
   };
@@ -36,7 +36,7 @@ class FemModel {
   const BlockPattern& pattern() const { return pattern_; }
   int nodeCount() const { return static_cast<int>(rest_.size()); }
   int freeCount() const { return pattern_.blocks(); }
-  int size() const { return pattern_.size(); }           ///< degrees of freedom
+  int size() const { return pattern_.size(); }                 ///< degrees of freedom
   int freeIndex(int node) const { return free_index_[node]; }  ///< -1 for a fixed node
   const std::vector<int>& freeNodes() const { return free_nodes_; }
   const VecX& mass() const { return mass_; }  ///< lumped, kg, one per free node
@@ -53,9 +53,9 @@ class FemModel {
 /// What one assembly writes, over and over.
 struct FemData {
   explicit FemData(const FemModel& model);
-  VecX force;                    ///< elastic nodal forces on the free nodes, N
-  BlockMatrix tangent;           ///< -d force / d position, N/m
-  std::vector<Mat3> rotations;   ///< of the elements, the next assembly's guess
+  VecX force;                   ///< elastic nodal forces on the free nodes, N
+  BlockMatrix tangent;          ///< -d force / d position, N/m
+  std::vector<Mat3> rotations;  ///< of the elements, the next assembly's guess
 };
 
 /// Elastic forces at `positions` [m, every mesh node], and the tangent stiffness.

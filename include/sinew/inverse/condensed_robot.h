@@ -26,17 +26,18 @@ class CondensedRobot {
 
   StepRule makeRule(double period) const;
 
-  /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present values.
+  /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present
+  /// values.
   void linearise(const VecX& effort, const StepRule& rule, StageTimes& times);
   /// Factorises and condenses. Where the exact tangent is indefinite (a body near buckling) the semi-definite one takes
   /// its place, with the cost of a second assembly; false when even that is not positive definite.
   bool condense(StageTimes& times);
 
-  const MatX& compliance() const { return compliance_; }   ///< W, rows x rows [m/N]
-  const VecX& freeMotion() const { return free_motion_; }  ///< H dx_free, one per row [m]
-  const VecX& displacement() const { return displacement_; } ///< delta_a at the linearisation, per actuator [m]
-  double residual() const { return residual_; }              ///< N, unbalanced force at the linearisation
-  double loadNorm() const { return load_norm_; }             ///< N, gravity and cables'
+  const MatX& compliance() const { return compliance_; }      ///< W, rows x rows [m/N]
+  const VecX& freeMotion() const { return free_motion_; }     ///< H dx_free, one per row [m]
+  const VecX& displacement() const { return displacement_; }  ///< delta_a at the linearisation, per actuator [m]
+  double residual() const { return residual_; }               ///< N, unbalanced force at the linearisation
+  double loadNorm() const { return load_norm_; }              ///< N, gravity and cables'
 
   /// Moves the body for a change of the efforts [N]; returns the scale <= 1 that was applied to motion and change.
   double advance(const VecX& effort_change, double max_node_step, StageTimes& times);

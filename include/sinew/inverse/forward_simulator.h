@@ -25,13 +25,13 @@ class ForwardSimulator {
 
   void reset();
 
-  const std::vector<Vec3>& nodes() const;         ///< m, present positions
+  const std::vector<Vec3>& nodes() const;                            ///< m, present positions
   void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
-  const VecX& displacement() const;               ///< per actuator [m], of the cables in the present configuration
-  const VecX& effort() const;                     ///< per actuator [N]
-  const VecX& effectors() const;                  ///< 3 x effectors [m]
-  double residual() const;                        ///< N
-  double residualRelative() const;                ///< 1
+  const VecX& displacement() const;  ///< per actuator [m], of the cables in the present configuration
+  const VecX& effort() const;        ///< per actuator [N]
+  const VecX& effectors() const;     ///< 3 x effectors [m]
+  double residual() const;           ///< N
+  double residualRelative() const;   ///< 1
 
  private:
   struct Impl;

@@ -21,8 +21,8 @@ class ForwardStep {
 
   /// Quasi-static Newton steps until the imbalance is below `tolerance` of the load and the displacements are met to
   /// `tolerance` of the cables' lengths.
-  ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot,
-                       VecX& effort, StageTimes& times);
+  ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot, VecX& effort,
+                       StageTimes& times);
 
   int qpIterations() const { return problem_.iterations(); }
 

@@ -30,19 +30,19 @@ struct ActiveLimitReport {
 
 /// What a cycle reads. Sizes are those of the robot: three coordinates an effector, one value an actuator.
 struct CycleInput {
-  VecX targets;               ///< 3 x effectors [m], robot frame
-  std::vector<bool> targeted; ///< per effector: false leaves it free until its first target arrives
-  VecX applied;               ///< per actuator [m]: displacement that the driver applied last; size 0 when nobody tells
-  double period = 0.01;       ///< s
+  VecX targets;                ///< 3 x effectors [m], robot frame
+  std::vector<bool> targeted;  ///< per effector: false leaves it free until its first target arrives
+  VecX applied;          ///< per actuator [m]: displacement that the driver applied last; size 0 when nobody tells
+  double period = 0.01;  ///< s
 };
 
 /// What a cycle gives back, sized at set-up.
 struct CycleOutput {
   CycleStatus status = CycleStatus::kHeld;
   HoldReason reason = HoldReason::kNone;
-  VecX displacement;     ///< per actuator [m]: the command
-  VecX effort;           ///< per actuator [N]
-  VecX effectors;        ///< 3 x effectors [m], as modelled after the step
+  VecX displacement;             ///< per actuator [m]: the command
+  VecX effort;                   ///< per actuator [N]
+  VecX effectors;                ///< 3 x effectors [m], as modelled after the step
   double effector_error = 0;     ///< m, weighted norm over the targeted, controlled axes
   double goal_scale = 1;         ///< 1 when the goal is chased whole
   double residual = 0;           ///< N, norm of the unbalanced force at the new configuration
@@ -80,7 +80,7 @@ class InverseController {
   /// Back to rest: no displacement, no effort.
   void reset();
 
-  const std::vector<Vec3>& nodes() const;         ///< m, present positions
+  const std::vector<Vec3>& nodes() const;                            ///< m, present positions
   void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
 
  private:

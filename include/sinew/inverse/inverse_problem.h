@@ -16,21 +16,21 @@ struct CycleLimits {
 /// The linear problem of one cycle (thesis 3.3.2), in increments of the efforts.
 struct InverseProblemData {
   InverseProblemData(int actuators, int max_effector_rows);
-  MatX W_aa;                ///< actuators x actuators, m/N
-  MatX W_ea;                ///< effector rows x actuators, m/N; the leading `effector_rows` count
-  VecX effector_error;      ///< weighted error with efforts unchanged, m
+  MatX W_aa;            ///< actuators x actuators, m/N
+  MatX W_ea;            ///< effector rows x actuators, m/N; the leading `effector_rows` count
+  VecX effector_error;  ///< weighted error with efforts unchanged, m
   int effector_rows = 0;
-  VecX displacement;        ///< with efforts unchanged, m
-  VecX effort;              ///< present total, N
-  double damping = 0;       ///< 1, against the change of effort, relative to the best-driven direction
+  VecX displacement;           ///< with efforts unchanged, m
+  VecX effort;                 ///< present total, N
+  double damping = 0;          ///< 1, against the change of effort, relative to the best-driven direction
   double negligible_gain = 0;  ///< m; when the effector error cannot fall by more, it is left as it is
 };
 
 struct InverseProblemResult {
   explicit InverseProblemResult(int actuators);
   QpStatus status = QpStatus::kIterationLimit;
-  VecX effort_change;       ///< N
-  VecX effort_violation;    ///< N by which an effort limit had to give way, 0 when kept
+  VecX effort_change;     ///< N
+  VecX effort_violation;  ///< N by which an effort limit had to give way, 0 when kept
   int iterations = 0;
 };
 
@@ -53,10 +53,10 @@ class InverseProblem {
   void solveEnergy(const InverseProblemData& data, InverseProblemResult& result);
 
   int actuators_;
-  VecX scale_;            // sqrt(W_ii)
-  MatX W_, E_;            // scaled compliance; scaled effector rows over their largest entry
-  double unit_ = 1;       // what the effector rows were divided by
-  VecX error_, energy_;   // scaled error; scaled gradient of the energy
+  VecX scale_;           // sqrt(W_ii)
+  MatX W_, E_;           // scaled compliance; scaled effector rows over their largest entry
+  double unit_ = 1;      // what the effector rows were divided by
+  VecX error_, energy_;  // scaled error; scaled gradient of the energy
   VecX z_min_, z_max_, row_min_, row_max_, z_, relaxation_;
   RowSpace row_space_;
   QpProblem effector_problem_, elastic_problem_, energy_problem_;

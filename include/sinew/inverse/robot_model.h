@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "sinew/robot/robot_description.h"
 #include "sinew/mesh/surface.h"
 #include "sinew/mesh/tet_mesh.h"
+#include "sinew/robot/robot_description.h"
 
 namespace sinew {
 

@@ -7,7 +7,8 @@ namespace sinew {
 /// linearisation and the damping rises; while steps come true it falls, and vanishes.
 class StepDamping {
  public:
-  /// `surprise`: norm over all rows of the motion at unchanged efforts, which the last linear problem took for zero [m].
+  /// `surprise`: norm over all rows of the motion at unchanged efforts, which the last linear problem took for zero
+  /// [m].
   void update(double surprise);
   /// `motion`: norm over all rows of the step now taken [m].
   void recordStep(double motion) { last_motion_ = motion; }

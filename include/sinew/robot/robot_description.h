@@ -19,11 +19,11 @@ struct Limits {
 };
 
 struct MaterialDescription {
-  int region = -1;            ///< mesh region tag, -1 for every region not named elsewhere
-  double young_modulus = 0;   ///< Pa
-  double poisson_ratio = 0;   ///< 1
-  double density = 0;         ///< kg/m3; 0 when total_mass is given
-  double total_mass = 0;      ///< kg of the whole region; 0 when density is given
+  int region = -1;           ///< mesh region tag, -1 for every region not named elsewhere
+  double young_modulus = 0;  ///< Pa
+  double poisson_ratio = 0;  ///< 1
+  double density = 0;        ///< kg/m3; 0 when total_mass is given
+  double total_mass = 0;     ///< kg of the whole region; 0 when density is given
 };
 
 /// Nodes of the mesh that do not move: those in any of the shapes or lists.
@@ -52,9 +52,9 @@ struct CableDescription {
 
 struct EffectorDescription {
   std::string name;
-  Vec3 point = Vec3::Zero();                  ///< m, at rest
+  Vec3 point = Vec3::Zero();                     ///< m, at rest
   std::array<bool, 3> axes{{true, true, true}};  ///< controlled axes x, y, z of the robot's frame
-  double weight = 1;                          ///< 1
+  double weight = 1;                             ///< 1
 };
 
 enum class MotionModel { kStatic, kDynamic };
@@ -71,12 +71,12 @@ struct ControlDescription {
 /// Everything that is known of a robot before it moves: read from one YAML file, and one URDF for frames.
 struct RobotDescription {
   std::string name;
-  std::string file;       ///< of the description itself
+  std::string file;  ///< of the description itself
   std::string mesh_file;
-  double mesh_scale = 1;  ///< m per unit of the mesh file
-  std::string urdf_file;  ///< empty when there is none
-  std::string frame;      ///< of the mesh, and of every position below
-  Vec3 gravity = Vec3::Zero();  ///< m/s2, in `frame`
+  double mesh_scale = 1;         ///< m per unit of the mesh file
+  std::string urdf_file;         ///< empty when there is none
+  std::string frame;             ///< of the mesh, and of every position below
+  Vec3 gravity = Vec3::Zero();   ///< m/s2, in `frame`
   double damping_mass = 0;       ///< 1/s, Rayleigh: D = damping_mass M + damping_stiffness K
   double damping_stiffness = 0;  ///< s
   std::vector<MaterialDescription> materials;

@@ -19,7 +19,9 @@ FemBody::FemBody(const FemModel& model, const Vec3& gravity)
   for (int i = 0; i < model.freeCount(); ++i) gravity_force_.segment<3>(3 * i) = model.mass()[i] * gravity;
 }
 
-void FemBody::beginStep() { std::copy(positions_.begin(), positions_.end(), start_.begin()); }
+void FemBody::beginStep() {
+  std::copy(positions_.begin(), positions_.end(), start_.begin());
+}
 
 void FemBody::linearise(const StepRule& rule, Tangent tangent) {
   assemble(*model_, positions_, tangent, data_);
@@ -63,7 +65,9 @@ void FemBody::endStep(const StepRule& rule) {
   }
 }
 
-void FemBody::abandonStep() { std::copy(start_.begin(), start_.end(), positions_.begin()); }
+void FemBody::abandonStep() {
+  std::copy(start_.begin(), start_.end(), positions_.begin());
+}
 
 void FemBody::place(const std::vector<Vec3>& positions) {
   std::copy(positions.begin(), positions.end(), positions_.begin());

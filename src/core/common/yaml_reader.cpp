@@ -166,8 +166,7 @@ std::vector<Vec3> YamlReader::vec3List(const std::string& key) const {
 }
 
 std::vector<int> YamlReader::integerList(const std::string& key, int min, int max) const {
-  const std::string expected =
-      "a list of whole numbers from " + std::to_string(min) + " to " + std::to_string(max);
+  const std::string expected = "a list of whole numbers from " + std::to_string(min) + " to " + std::to_string(max);
   const YAML::Node node = require(key, expected);
   if (!node.IsSequence()) fail(key, expected);
   std::vector<int> values(node.size());
@@ -238,6 +237,8 @@ YAML::Node YamlReader::require(const std::string& key, const std::string& expect
   return node[key];
 }
 
-std::string YamlReader::fullName(const std::string& key) const { return file_ + ": " + prefix_ + key; }
+std::string YamlReader::fullName(const std::string& key) const {
+  return file_ + ": " + prefix_ + key;
+}
 
 }  // namespace sinew

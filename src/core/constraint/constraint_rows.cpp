@@ -12,7 +12,9 @@ void ConstraintRows::clear() {
   entries_.clear();
 }
 
-void ConstraintRows::beginRow() { start_.push_back(static_cast<int>(entries_.size())); }
+void ConstraintRows::beginRow() {
+  start_.push_back(static_cast<int>(entries_.size()));
+}
 
 void ConstraintRows::add(int mesh_node, const Vec3& derivative) {
   const int node = model_->freeIndex(mesh_node);

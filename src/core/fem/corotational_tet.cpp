@@ -32,8 +32,8 @@ Mat3 calcStress(const Lame& lame, const Mat3& S) {
   return stress;
 }
 
-// Q of the turning stiffness in the rotated-back frame. To first order in the strain its eigenvalues are the sums of two
-// principal stresses over (s_i + s_j), negative in compression.
+// Q of the turning stiffness in the rotated-back frame. To first order in the strain its eigenvalues are the sums of
+// two principal stresses over (s_i + s_j), negative in compression.
 Mat3 calcTurningStiffness(const Lame& lame, const Mat3& S, Tangent tangent) {
   const double pressure = lame.lambda * (S.trace() - 3) - 2 * lame.mu;
   if (tangent == Tangent::kExact) {

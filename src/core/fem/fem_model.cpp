@@ -64,9 +64,7 @@ FemModel::FemModel(const TetMesh& mesh, const std::vector<Material>& material, c
 }
 
 FemData::FemData(const FemModel& model)
-    : force(VecX::Zero(model.size())),
-      tangent(model.pattern()),
-      rotations(model.elements().size(), Mat3::Identity()) {}
+    : force(VecX::Zero(model.size())), tangent(model.pattern()), rotations(model.elements().size(), Mat3::Identity()) {}
 
 namespace {
 

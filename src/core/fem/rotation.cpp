@@ -8,7 +8,9 @@ namespace {
 
 constexpr int kMaxIterations = 8;
 
-Vec3 axialOfSkew(const Mat3& S) { return Vec3(S(2, 1) - S(1, 2), S(0, 2) - S(2, 0), S(1, 0) - S(0, 1)); }
+Vec3 axialOfSkew(const Mat3& S) {
+  return Vec3(S(2, 1) - S(1, 2), S(0, 2) - S(2, 0), S(1, 0) - S(0, 1));
+}
 
 Mat3 rotationBySvd(const Mat3& F) {
   const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -26,7 +28,9 @@ Mat3 cayley(const Vec3& w) {
 }
 
 // One step of Newton's iteration to the nearest orthogonal matrix: removes the rounding gathered over many cycles.
-Mat3 reorthogonalised(const Mat3& R) { return 0.5 * R * (3.0 * Mat3::Identity() - R.transpose() * R); }
+Mat3 reorthogonalised(const Mat3& R) {
+  return 0.5 * R * (3.0 * Mat3::Identity() - R.transpose() * R);
+}
 
 }  // namespace
 
@@ -38,8 +42,8 @@ void updateRotation(const Mat3& F, Mat3& R) {
     Mat3 G = -0.5 * (S + S.transpose());
     G.diagonal().array() += S.trace();
     const double determinant = G.determinant();
-    const bool definite = G(0, 0) > 0 && G(0, 0) * G(1, 1) - G(0, 1) * G(0, 1) > 0 &&
-                          determinant > 1e-9 * size * size * size;
+    const bool definite =
+        G(0, 0) > 0 && G(0, 0) * G(1, 1) - G(0, 1) * G(0, 1) > 0 && determinant > 1e-9 * size * size * size;
     if (!definite) break;
     Mat3 adjugate;  // of the symmetric G: the cross products of its columns
     adjugate.col(0) = G.col(1).cross(G.col(2));

@@ -104,6 +104,8 @@ double CondensedRobot::advance(const VecX& effort_change, double max_node_step, 
   return body_.advance(motion_, max_node_step);
 }
 
-void CondensedRobot::reset() { body_.reset(); }
+void CondensedRobot::reset() {
+  body_.reset();
+}
 
 }  // namespace sinew

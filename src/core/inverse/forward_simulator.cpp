@@ -43,8 +43,7 @@ Actuation ForwardSimulator::makeActuation() const {
 
 ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) {
   const StepRule rule = impl_->condensed.makeRule(period);
-  const ForwardStatus status =
-      impl_->forward.step(actuation, rule, impl_->condensed, impl_->effort, impl_->times);
+  const ForwardStatus status = impl_->forward.step(actuation, rule, impl_->condensed, impl_->effort, impl_->times);
   impl_->measure();
   return status;
 }
@@ -62,19 +61,29 @@ void ForwardSimulator::reset() {
   impl_->measure();
 }
 
-const std::vector<Vec3>& ForwardSimulator::nodes() const { return impl_->condensed.body().positions(); }
+const std::vector<Vec3>& ForwardSimulator::nodes() const {
+  return impl_->condensed.body().positions();
+}
 
 void ForwardSimulator::calcCablePoints(int cable, std::vector<Vec3>& points) const {
   impl_->condensed.robot().cables()[cable].calcPoints(nodes(), points);
 }
 
-const VecX& ForwardSimulator::displacement() const { return impl_->displacement; }
+const VecX& ForwardSimulator::displacement() const {
+  return impl_->displacement;
+}
 
-const VecX& ForwardSimulator::effort() const { return impl_->effort; }
+const VecX& ForwardSimulator::effort() const {
+  return impl_->effort;
+}
 
-const VecX& ForwardSimulator::effectors() const { return impl_->effectors; }
+const VecX& ForwardSimulator::effectors() const {
+  return impl_->effectors;
+}
 
-double ForwardSimulator::residual() const { return impl_->condensed.residual(); }
+double ForwardSimulator::residual() const {
+  return impl_->condensed.residual();
+}
 
 double ForwardSimulator::residualRelative() const {
   const double load = impl_->condensed.loadNorm();

@@ -37,8 +37,8 @@ ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule
                                 StageTimes& times) {
   robot.body().beginStep();
   robot.linearise(effort, rule, times);
-  const ForwardStatus status = robot.condense(times) ? move(actuation, robot, effort, times)
-                                                     : ForwardStatus::kNotPositiveDefinite;
+  const ForwardStatus status =
+      robot.condense(times) ? move(actuation, robot, effort, times) : ForwardStatus::kNotPositiveDefinite;
   robot.body().endStep(rule);
   return status;
 }

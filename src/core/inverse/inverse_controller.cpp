@@ -12,7 +12,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kSyncStep = 5e-3;       // m of cable per load step when the model is moved to a measurement
+constexpr double kSyncStep = 5e-3;  // m of cable per load step when the model is moved to a measurement
 constexpr double kSyncTolerance = 1e-9;
 constexpr int kSyncIterations = 100;
 
@@ -21,7 +21,7 @@ constexpr int kSyncIterations = 100;
 constexpr double kFarGoalDamping = 0.3;   // of the best-driven direction
 constexpr double kNegligibleGain = 2e-5;  // of the reach of one cycle
 
-constexpr double kOnLimit = 1e-9;        // of the range, within which a limit counts as reached
+constexpr double kOnLimit = 1e-9;  // of the range, within which a limit counts as reached
 
 int maxEffectorRows(const RobotModel& robot) {
   int rows = 0;
@@ -80,9 +80,9 @@ struct InverseController::Impl {
   InverseProblemResult result;
   CycleLimits limits;
   Actuation held;
-  VecX effort;        // N, total
-  VecX command;       // m, of the last cycle
-  VecX cycle_start;   // m, what the rates of this cycle count from
+  VecX effort;               // N, total
+  VecX command;              // m, of the last cycle
+  VecX cycle_start;          // m, what the rates of this cycle count from
   VecX linear_displacement;  // m, actuators as the linear problem moves them
   VecX row_motion;           // m, every row
   VecX last_valid_effort;
@@ -135,8 +135,8 @@ struct InverseController::Impl {
     }
   }
 
-  // The targeted effectors' rows, with the error they have when the efforts stay as they are. A goal farther than the reach of one cycle is chased
-  // part of the way: one factor for all rows keeps the stationary points.
+  // The targeted effectors' rows, with the error they have when the efforts stay as they are. A goal farther than the
+  // reach of one cycle is chased part of the way: one factor for all rows keeps the stationary points.
   double gatherProblem(const CycleInput& input, CycleOutput& output) {
     const int n = actuators();
     int row = n;
@@ -319,7 +319,9 @@ InverseController::InverseController(std::shared_ptr<const RobotModel> robot)
 
 InverseController::~InverseController() = default;
 
-const RobotModel& InverseController::robot() const { return *impl_->robot; }
+const RobotModel& InverseController::robot() const {
+  return *impl_->robot;
+}
 
 CycleInput InverseController::makeInput() const {
   CycleInput input;
@@ -400,7 +402,9 @@ void InverseController::reset() {
   impl_->problem.forget();
 }
 
-const std::vector<Vec3>& InverseController::nodes() const { return impl_->positions(); }
+const std::vector<Vec3>& InverseController::nodes() const {
+  return impl_->positions();
+}
 
 void InverseController::calcCablePoints(int cable, std::vector<Vec3>& points) const {
   robot().cables()[cable].calcPoints(nodes(), points);

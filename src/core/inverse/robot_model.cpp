@@ -53,7 +53,8 @@ std::map<int, const MaterialDescription*> assignMaterials(const RobotDescription
     if (region >= 0 && volumes.count(region) == 0) {
       std::string regions;
       for (const auto& present : volumes) regions += " " + std::to_string(present.first);
-      throw ConfigError(robot.file + ": materials.region", std::to_string(region), "one of the mesh's regions:" + regions);
+      throw ConfigError(robot.file + ": materials.region", std::to_string(region),
+                        "one of the mesh's regions:" + regions);
     }
   }
   return assigned;
@@ -68,8 +69,7 @@ std::vector<Material> makeMaterials(const RobotDescription& robot, const TetMesh
   for (std::size_t t = 0; t < materials.size(); ++t) {
     const MaterialDescription* material = assigned.at(mesh.region[t]);
     materials[t].lame = calcLame(material->young_modulus, material->poisson_ratio);
-    materials[t].density =
-        material->total_mass > 0 ? material->total_mass / volume_of.at(material) : material->density;
+    materials[t].density = material->total_mass > 0 ? material->total_mass / volume_of.at(material) : material->density;
   }
   return materials;
 }
@@ -136,7 +136,8 @@ void warnOfMaterials(const RobotDescription& robot, std::vector<std::string>& wa
                               ": linear tetrahedra lock, the body bends too stiffly"));
     }
     if (material.young_modulus < 1e3) {
-      warnings.push_back(join("young_modulus ", material.young_modulus, " Pa is softer than any silicone: given in kPa?"));
+      warnings.push_back(
+          join("young_modulus ", material.young_modulus, " Pa is softer than any silicone: given in kPa?"));
     }
     if (material.young_modulus > 1e11) {
       warnings.push_back(join("young_modulus ", material.young_modulus, " Pa is stiffer than steel"));
@@ -206,9 +207,13 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
 
 RobotModel::~RobotModel() = default;
 
-int RobotModel::actuatorCount() const { return static_cast<int>(cables_.size()); }
+int RobotModel::actuatorCount() const {
+  return static_cast<int>(cables_.size());
+}
 
-int RobotModel::effectorCount() const { return static_cast<int>(effectors_.size()); }
+int RobotModel::effectorCount() const {
+  return static_cast<int>(effectors_.size());
+}
 
 int RobotModel::findActuator(const std::string& name) const {
   for (int i = 0; i < actuatorCount(); ++i) {

@@ -43,7 +43,9 @@ BlockSlot BlockPattern::slot(int row, int column) const {
 BlockMatrix::BlockMatrix(const BlockPattern& pattern)
     : pattern_(&pattern), values_(9 * static_cast<std::size_t>(pattern.blockCount()), 0.0) {}
 
-void BlockMatrix::setZero() { std::fill(values_.begin(), values_.end(), 0.0); }
+void BlockMatrix::setZero() {
+  std::fill(values_.begin(), values_.end(), 0.0);
+}
 
 void BlockMatrix::scale(double factor) {
   for (double& value : values_) value *= factor;

@@ -16,8 +16,8 @@ void useOneBlasThread() {
   if (set_threads != nullptr) set_threads(1);
 }
 
-// Operations per non-zero of the factor above which dense kernels pay for their calls; CHOLMOD's own default of 40 makes
-// the factor of a trunk of 1500 degrees of freedom take twice as long.
+// Operations per non-zero of the factor above which dense kernels pay for their calls; CHOLMOD's own default of 40
+// makes the factor of a trunk of 1500 degrees of freedom take twice as long.
 constexpr double kSupernodalSwitch = 400;
 
 }  // namespace
@@ -104,15 +104,18 @@ SparseCholesky::SparseCholesky(const BlockPattern& pattern) : impl_(std::make_un
 
 SparseCholesky::~SparseCholesky() = default;
 
-int SparseCholesky::size() const { return static_cast<int>(impl_->matrix.nrow); }
+int SparseCholesky::size() const {
+  return static_cast<int>(impl_->matrix.nrow);
+}
 
 bool SparseCholesky::factorise(const BlockMatrix& matrix) {
   impl_->matrix.x = const_cast<double*>(matrix.values().data());
-  return cholmod_factorize(&impl_->matrix, impl_->factor, &impl_->common) != 0 &&
-         impl_->common.status == CHOLMOD_OK;
+  return cholmod_factorize(&impl_->matrix, impl_->factor, &impl_->common) != 0 && impl_->common.status == CHOLMOD_OK;
 }
 
-int SparseCholesky::permuted(int i) const { return impl_->place[i]; }
+int SparseCholesky::permuted(int i) const {
+  return impl_->place[i];
+}
 
 void SparseCholesky::forwardSolve(MatX& columns, int count) {
   if (count > 0) impl_->solveHalf(CHOLMOD_L, columns.data(), size(), count);
@@ -132,8 +135,12 @@ void SparseCholesky::solve(VecX& x) {
   for (int i = 0; i < size(); ++i) x[i] = half[impl_->place[i]];
 }
 
-double SparseCholesky::factorNonZeros() const { return impl_->common.lnz; }
+double SparseCholesky::factorNonZeros() const {
+  return impl_->common.lnz;
+}
 
-bool SparseCholesky::supernodal() const { return impl_->factor->is_super != 0; }
+bool SparseCholesky::supernodal() const {
+  return impl_->factor->is_super != 0;
+}
 
 }  // namespace sinew

@@ -26,7 +26,8 @@ void readGravity(const YamlReader& yaml, RobotDescription& robot) {
     robot.gravity = vector;
     return;
   }
-  if (robot.urdf_file.empty()) gravity.fail("frame", "'" + robot.frame + "', or a link of a URDF named by the key urdf");
+  if (robot.urdf_file.empty())
+    gravity.fail("frame", "'" + robot.frame + "', or a link of a URDF named by the key urdf");
   robot.gravity = readUrdfPose(robot.urdf_file, robot.frame, frame).linear() * vector;
 }
 
