@@ -83,7 +83,7 @@ InverseModelNode::InverseModelNode(ros::NodeHandle node, ros::NodeHandle private
       statistics_divider_(calcDivider(settings_.rate, 1 / kStatisticsPeriod)),
       command_publisher_(node.advertise<ActuatorCommand>("actuator_command", 1)),
       state_publisher_(node.advertise<ControllerState>("controller_state", 10)),
-      service_spinner_(1, &service_queue_),
+      service_thread_(service_queue_),
       diagnostics_(node, private_node) {
   for (const std::string& warning : robot_->warnings()) ROS_WARN_STREAM(robot_->description().name << ": " << warning);
   input_.period = 1 / settings_.rate;
@@ -103,11 +103,11 @@ InverseModelNode::InverseModelNode(ros::NodeHandle node, ros::NodeHandle private
         private_node.createSteadyTimer(ros::WallDuration(kAutoEnablePeriod), &InverseModelNode::onAutoEnable, this);
   }
   cycle_thread_ = std::thread(&InverseModelNode::runCycles, this);
-  service_spinner_.start();
+  service_thread_.start();
 }
 
 InverseModelNode::~InverseModelNode() {
-  service_spinner_.stop();
+  service_thread_.stop();
   stop_ = true;
   cycle_thread_.join();
 }

@@ -3,7 +3,6 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
-#include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
 
 #include <array>
@@ -15,6 +14,7 @@
 #include "actuator_inbox.h"
 #include "applied_estimate.h"
 #include "body_publisher.h"
+#include "callback_thread.h"
 #include "parameters.h"
 #include "real_time.h"
 #include "sinew/inverse/inverse_controller.h"
@@ -131,7 +131,7 @@ class InverseModelNode {
 
   // Service thread only.
   ros::CallbackQueue service_queue_;
-  ros::AsyncSpinner service_spinner_;
+  CallbackThread service_thread_;
   diagnostic_updater::Updater diagnostics_;
   Summary reported_;        // as of the last diagnostics
   double reported_at_ = 0;  // s, steady

@@ -3,6 +3,7 @@
 
 #include <exception>
 
+#include "callback_thread.h"
 #include "inverse_model_node.h"
 
 int main(int argc, char** argv) {
@@ -12,7 +13,7 @@ int main(int argc, char** argv) {
   try {
     sinew::InverseModelNode node{ros::NodeHandle(), ros::NodeHandle("~")};
     if (!not_allowed.empty()) ROS_WARN_STREAM("not in real time: " << not_allowed << "; deadlines may be missed");
-    ros::spin();
+    sinew::spinUntilShutdown();
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM(error.what());
     return 1;

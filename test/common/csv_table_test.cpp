@@ -4,24 +4,13 @@
 
 #include <string>
 
-#include "sinew/common/config_error.h"
+#include "common/complaint.h"
 
 namespace sinew {
 namespace {
 
 CsvTable readText(const std::string& text) {
   return CsvTable::fromText(text, "table.csv");
-}
-
-/// What a call complains of; empty when it does not.
-template <typename Call>
-std::string complaintOf(Call&& call) {
-  try {
-    call();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 std::string complaintOfText(const std::string& text) {

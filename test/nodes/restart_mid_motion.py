@@ -38,7 +38,10 @@ class RestartMidMotion(LineTest):
     def kill_and_come_back(self, number):
         session = self.commands.newest().session
         curve_time = self.curve_time()
-        os.kill(find_pid("inverse_model"), signal.SIGKILL)
+        pid = find_pid("inverse_model")
+        now = time.monotonic()
+        self.check("restart_mid_motion.tip_before_%d" % number, 1e3 * self.tip_travel(now - 0.2, now), ">=", 3.0, "mm")
+        os.kill(pid, signal.SIGKILL)
         killed = time.monotonic()
         self.wait_for("the driver to hold", lambda: self.actuators.newest().driver_state == ActuatorState.HOLDING)
         holding = time.monotonic()
@@ -46,7 +49,7 @@ class RestartMidMotion(LineTest):
         self.assertTrue(answer.success, answer.message)
         self.wait_for("a new session", lambda: self.commands.newest().session != session)
         back = next(t for t, command in self.commands.since(killed) if command.session != session)
-        self.wait_for("the curve to go on", lambda: 0 < self.curve_time() > curve_time + 0.5)
+        self.wait_for("the curve to go on", lambda: self.curve_time() > curve_time + 1.0)
         self.check("restart_mid_motion.away_%d" % number, back - killed, "<=", 10.0, "s")
         self.check("restart_mid_motion.tip_away_%d" % number, 1e3 * self.tip_travel(killed, back), "<=", 1.0, "mm")
         self.check("restart_mid_motion.tip_held_%d" % number, 1e3 * self.tip_travel(holding, back), "<=", 0.1, "mm")

@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "callback_thread.h"
 #include "real_time.h"
 #include "results.h"
 #include "ros_conversions.h"
@@ -147,7 +148,7 @@ class Listener {
 TEST(TrunkCircle, IsFollowedInTime) {
   Listener listener;
   ControlLoop control;
-  ros::AsyncSpinner spinner(1);
+  CallbackThread spinner(*ros::getGlobalCallbackQueue());
   spinner.start();
   const double begin = steadyNow();
   while (!listener.done() && steadyNow() - begin < kPatience) {

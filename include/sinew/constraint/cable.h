@@ -31,6 +31,8 @@ class Cable {
   void calcPoints(const std::vector<Vec3>& positions, std::vector<Vec3>& points) const;
 
  private:
+  template <typename Use>
+  void forEachSegment(const std::vector<Vec3>& positions, const Use& use) const;
   Vec3 pointAt(int i, const std::vector<Vec3>& positions) const;
 
   CableDescription description_;

@@ -209,8 +209,10 @@ std::vector<YamlReader> YamlReader::maps(const std::string& key) const {
 }
 
 void YamlReader::refuseUnknownKeys() const {
+  std::set<std::string> present;
   for (const auto& item : node_) {
     const std::string key = item.first.Scalar();
+    if (!present.insert(key).second) throw ConfigError(fullName(key), "the key twice", "each key once");
     if (asked_->count(key) != 0) continue;
     std::string expected = "only these keys:";
     for (const std::string& known : *asked_) expected += " " + known;

@@ -1,5 +1,6 @@
 #include "sinew/constraint/cable.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace sinew {
@@ -23,46 +24,39 @@ Vec3 Cable::pointAt(int i, const std::vector<Vec3>& positions) const {
   return i == 0 ? description_.pull_point : calcPosition(via_points_[i - 1], positions);
 }
 
-double Cable::calcDisplacement(const std::vector<Vec3>& positions) const {
-  double length = 0;
+// Calls use(i, direction, length) for each segment, from point i to point i + 1, that is long enough to have a
+// direction.
+template <typename Use>
+void Cable::forEachSegment(const std::vector<Vec3>& positions, const Use& use) const {
   Vec3 previous = pointAt(0, positions);
-  for (int i = 1; i < points(); ++i) {
-    const Vec3 point = pointAt(i, positions);
-    length += (point - previous).norm();
-    previous = point;
+  for (int i = 0; i + 1 < points(); ++i) {
+    const Vec3 next = pointAt(i + 1, positions);
+    const Vec3 span = next - previous;
+    const double length = span.norm();
+    if (length > kShortest) use(i, Vec3(span / length), length);
+    previous = next;
   }
-  return rest_length_ - length;
+}
+
+double Cable::calcDisplacement(const std::vector<Vec3>& positions) const {
+  double sum = 0;
+  forEachSegment(positions, [&](int, const Vec3&, double length) { sum += length; });
+  return rest_length_ - sum;
 }
 
 void Cable::addRow(const std::vector<Vec3>& positions, ConstraintRows& rows) const {
   rows.beginRow();
-  Vec3 previous = pointAt(0, positions);
-  for (int i = 1; i < points(); ++i) {
-    const Vec3 point = pointAt(i, positions);
-    const Vec3 span = point - previous;
-    const double length = span.norm();
-    if (length > kShortest) {
-      const Vec3 direction = span / length;
-      if (i > 1) rows.add(via_points_[i - 2], direction);
-      rows.add(via_points_[i - 1], -direction);
-    }
-    previous = point;
-  }
+  forEachSegment(positions, [&](int i, const Vec3& direction, double) {
+    if (i > 0) rows.add(via_points_[i - 1], direction);
+    rows.add(via_points_[i], -direction);
+  });
 }
 
 void Cable::addLoadStiffness(const std::vector<Vec3>& positions, double tension, BlockMatrix& matrix) const {
   if (!(tension > 0)) return;
-  Vec3 previous = pointAt(0, positions);
-  for (int i = 1; i < points(); ++i) {
-    const Vec3 point = pointAt(i, positions);
-    const Vec3 span = point - previous;
-    const double length = span.norm();
-    if (length > kShortest) {
-      const Vec3 direction = span / length;
-      segments_[i - 1].addTo(matrix, tension / length * (Mat3::Identity() - direction * direction.transpose()));
-    }
-    previous = point;
-  }
+  forEachSegment(positions, [&](int i, const Vec3& direction, double length) {
+    segments_[i].addTo(matrix, tension / length * (Mat3::Identity() - direction * direction.transpose()));
+  });
 }
 
 void Cable::addTube(const std::vector<Vec3>& positions, VecX* force, BlockMatrix* matrix) const {
@@ -73,11 +67,8 @@ void Cable::addTube(const std::vector<Vec3>& positions, VecX* force, BlockMatrix
       if (node >= 0) force->segment<3>(3 * node) += point.weights[k] * value;
     }
   };
-  for (int i = 1; i + 1 < points(); ++i) {  // the tube starts where the cable enters the body
-    const Vec3 span = pointAt(i + 1, positions) - pointAt(i, positions);
-    const double length = span.norm();
-    if (length <= kShortest || rest_segments_[i] <= kShortest) continue;
-    const Vec3 direction = span / length;
+  forEachSegment(positions, [&](int i, const Vec3& direction, double length) {
+    if (i == 0 || rest_segments_[i] <= kShortest) return;  // the tube starts where the cable enters the body
     const double stiffness = description_.tube_stiffness / rest_segments_[i];
     const double pull = stiffness * (length - rest_segments_[i]);
     if (force != nullptr) {
@@ -88,7 +79,7 @@ void Cable::addTube(const std::vector<Vec3>& positions, VecX* force, BlockMatrix
       const Mat3 along = direction * direction.transpose();
       segments_[i].addTo(*matrix, stiffness * along + std::max(0.0, pull / length) * (Mat3::Identity() - along));
     }
-  }
+  });
 }
 
 void Cable::calcPoints(const std::vector<Vec3>& positions, std::vector<Vec3>& points_out) const {
