@@ -1,5 +1,5 @@
 // Times the stages of a control cycle, and the steps of a simulated robot, on one core.
-// usage: cycle_benchmark [SCENE ...]; see scripts/benchmark
+// usage: cycle_benchmark CONFIG [SCENE ...]; CONFIG is the folder of the robots. See scripts/benchmark
 
 #include <sched.h>
 
@@ -39,10 +39,9 @@ struct Scene {
   std::map<std::string, double> thesis;  // ms by stage; its scene adds an obstacle and 76 contacts
 };
 
-std::vector<Scene> makeScenes() {
-  const std::string config = std::string(SINEW_SOURCE_DIR) + "/config/";
+std::vector<Scene> makeScenes(const std::string& config) {
   return {{"trunk",
-           config + "trunk/trunk.yaml",
+           config + "/trunk/trunk.yaml",
            Vec3(0, 0, 0.19),
            0.04,
            8,
@@ -149,10 +148,10 @@ void run(const Scene& scene) {
   timePlant(scene, robot, timeController(scene, robot));
 }
 
-int runAll(const std::vector<std::string>& names) {
+int runAll(const std::string& config, const std::vector<std::string>& names) {
   std::map<std::string, Scene> scenes;
   std::string known;
-  for (const Scene& scene : makeScenes()) {
+  for (const Scene& scene : makeScenes(config)) {
     scenes[scene.name] = scene;
     known += " " + scene.name;
   }
@@ -171,9 +170,13 @@ int runAll(const std::vector<std::string>& names) {
 }  // namespace sinew
 
 int main(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: cycle_benchmark CONFIG [SCENE ...]\n");
+    return 2;
+  }
   try {
     sinew::pinToOneCore();
-    return sinew::runAll(std::vector<std::string>(argv + 1, argv + argc));
+    return sinew::runAll(argv[1], std::vector<std::string>(argv + 2, argv + argc));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cycle_benchmark: %s\n", error.what());
     return 1;

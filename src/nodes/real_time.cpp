@@ -8,6 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -17,6 +18,8 @@ namespace sinew {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
+
+std::atomic<bool> fifo_allowed{false};
 
 std::int64_t steadyNanoseconds() {
   timespec now;
@@ -55,14 +58,26 @@ double steadyNow() {
 std::string requestRealTime(int priority) {
   const std::string scheduling = setFifo(priority);
   if (!scheduling.empty()) return scheduling;  // without it, locked memory only takes it from others
+  fifo_allowed = true;
   return lockMemory();
 }
 
 void raisePriority(int priority) {
-  int policy = SCHED_OTHER;
+  if (fifo_allowed) setFifo(priority);
+}
+
+NormalPriority::NormalPriority() {
   sched_param parameters{};
-  pthread_getschedparam(pthread_self(), &policy, &parameters);
-  if (policy == SCHED_FIFO) setFifo(priority);
+  pthread_getschedparam(pthread_self(), &policy_, &parameters);
+  priority_ = parameters.sched_priority;
+  parameters.sched_priority = 0;
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters);
+}
+
+NormalPriority::~NormalPriority() {
+  sched_param parameters{};
+  parameters.sched_priority = priority_;
+  pthread_setschedparam(pthread_self(), policy_, &parameters);
 }
 
 PeriodicWakeUp::PeriodicWakeUp(double period)

@@ -17,8 +17,22 @@ constexpr int kRosPriority = 60;
 /// empty when all was.
 std::string requestRealTime(int priority = kRosPriority);
 
-/// Moves the calling thread to `priority` when it runs under SCHED_FIFO already; otherwise leaves it alone.
+/// Gives the calling thread SCHED_FIFO at `priority` when `requestRealTime` was allowed to; otherwise leaves it alone.
 void raisePriority(int priority);
+
+/// As long as it lives, its thread and those that it starts run without SCHED_FIFO: for set-up and other work that
+/// takes long, which must not keep the processor from the cycles of other nodes.
+class NormalPriority {
+ public:
+  NormalPriority();
+  ~NormalPriority();
+  NormalPriority(const NormalPriority&) = delete;
+  NormalPriority& operator=(const NormalPriority&) = delete;
+
+ private:
+  int policy_;
+  int priority_;
+};
 
 /// Wakes its thread once a period by absolute times of the steady clock, so that lateness never adds up.
 class PeriodicWakeUp {

@@ -50,7 +50,7 @@ Tip exactTip(double alpha) {
 // Tips for the loads, reached one after another. Nothing varies over the width when Poisson's ratio is 0, so cells may
 // be wide there; along the axis and over the height they are cubes.
 std::vector<Tip> modelTips(int cells, const std::vector<double>& loads) {
-  const BarModel bar(Vec3(kLength, kHeight, kHeight), static_cast<int>(kSlenderness) * cells, cells / 3, cells,
+  const BarModel bar(Vec3(kLength, kHeight, kHeight), static_cast<int>(kSlenderness) * cells, cells / 6, cells,
                      kYoungModulus, 0.0, 0.0);
   FemBody body(bar.fem, Vec3::Zero());
   std::vector<int> end;
@@ -60,7 +60,7 @@ std::vector<Tip> modelTips(int cells, const std::vector<double>& loads) {
   std::vector<Tip> tips;
   double reached = 0;
   for (double load : loads) {
-    constexpr double kLoadStep = 0.5;
+    constexpr double kLoadStep = 1.0;
     const int steps = static_cast<int>(std::ceil((load - reached) / kLoadStep));
     for (int k = 1; k <= steps; ++k) {
       const double alpha = reached + (load - reached) * k / steps;

@@ -118,7 +118,7 @@ TEST_P(SparseCholeskyTest, RefusesAMatrixOfNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, SparseCholeskyTest, testing::Values(makeSparse(), makeCrowded()),
-                         [](const testing::TestParamInfo<Layout>& info) { return info.param.name; });
+                         [](const auto& layout) { return layout.param.name; });
 
 }  // namespace
 }  // namespace sinew

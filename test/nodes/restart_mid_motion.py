@@ -68,6 +68,8 @@ class RestartMidMotion(LineTest):
             commands = [command for _, command in records]
             largest = 1e3 * largest_step(commands, lambda command: command.value)
             self.check("restart_mid_motion.commanded_step", largest, "<=", step * 1.001, "mm")
+
+        for records in list(sessions.values())[1:]:  # the first one is older than this test
             self.check_first(records[0])
 
     def check_first(self, record):

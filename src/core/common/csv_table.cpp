@@ -91,7 +91,7 @@ VecX CsvTable::numbers(const std::string& column) const {
 }
 
 VecX CsvTable::risingNumbers(const std::string& column) const {
-  const VecX values = numbers(column);
+  VecX values = numbers(column);
   for (int row = 1; row < rows(); ++row) {
     if (values[row] > values[row - 1]) continue;
     std::ostringstream found;

@@ -1,6 +1,7 @@
 #include "sinew/common/yaml_reader.h"
 
 #include <cmath>
+#include <ios>
 #include <sstream>
 
 #include "sinew/common/config_error.h"
@@ -58,6 +59,8 @@ YamlReader YamlReader::fromFile(const std::string& path) {
     if (!root.IsMap()) throw ConfigError(path, describe(root), "a mapping of keys to values");
     return YamlReader(root, path, "");
   } catch (const YAML::BadFile&) {
+    throw ConfigError(path, "no readable file", "a YAML file");
+  } catch (const std::ios_base::failure&) {  // a folder, say
     throw ConfigError(path, "no readable file", "a YAML file");
   } catch (const YAML::ParserException& e) {
     throw ConfigError(path, e.what(), "valid YAML");

@@ -1,0 +1,62 @@
+#include "sinew/inverse/step_damping.h"
+
+#include <gtest/gtest.h>
+
+namespace sinew {
+namespace {
+
+constexpr double kStep = 1e-3;  // m
+
+double dampingAfter(int bad_steps, int good_steps) {
+  StepDamping damping;
+  for (int k = 0; k < bad_steps + good_steps; ++k) {
+    damping.recordStep(kStep);
+    damping.update(k < bad_steps ? 0.5 * kStep : 0.01 * kStep);
+  }
+  return damping.value();
+}
+
+TEST(StepDamping, StartsAndStaysWithoutDampingWhileStepsComeTrue) {
+  EXPECT_EQ(StepDamping().value(), 0);
+  EXPECT_EQ(dampingAfter(0, 50), 0);
+}
+
+TEST(StepDamping, RisesWithEveryStepThatMisleadsUpToABound) {
+  double before = 0;
+  for (int steps = 1; steps < 8; ++steps) {
+    EXPECT_GT(dampingAfter(steps, 0), before);
+    before = dampingAfter(steps, 0);
+  }
+  EXPECT_EQ(dampingAfter(100, 0), dampingAfter(101, 0));
+  EXPECT_LT(dampingAfter(100, 0), 100);
+}
+
+TEST(StepDamping, FallsAndVanishesAfterwards) {
+  double before = dampingAfter(100, 0);
+  for (int steps = 1; steps < 10; ++steps) {
+    EXPECT_LT(dampingAfter(100, steps), before);
+    before = dampingAfter(100, steps);
+  }
+  EXPECT_EQ(dampingAfter(100, 60), 0);
+}
+
+TEST(StepDamping, LearnsNothingFromAStepTooShortToMatter) {
+  StepDamping damping;
+  damping.recordStep(1e-9);
+  damping.update(1);
+  EXPECT_EQ(damping.value(), 0);
+}
+
+TEST(StepDamping, ResetForgetsTheStepToo) {
+  StepDamping damping;
+  damping.recordStep(kStep);
+  damping.update(kStep);
+  ASSERT_GT(damping.value(), 0);
+  damping.reset();
+  EXPECT_EQ(damping.value(), 0);
+  damping.update(kStep);
+  EXPECT_EQ(damping.value(), 0);
+}
+
+}  // namespace
+}  // namespace sinew
