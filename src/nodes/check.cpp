@@ -67,10 +67,10 @@ void printEffectors(const RobotModel& robot) {
 }
 
 void printTiming(const CycleTiming& timing) {
-  std::printf("cycle      %zu cycles of a small motion, ms  median     99 %%\n", timing.cycle.seconds.size());
-  for (const StageDurations& stage : timing.stages) {
-    std::printf("           %-33s %7.3f  %7.3f\n", stage.name.c_str(), 1e3 * stage.calcQuantile(0.5),
-                1e3 * stage.calcQuantile(0.99));
+  std::printf("cycle      %zu cycles of a small motion, ms  median     99 %%\n", timing.cycle.size());
+  for (const CycleTiming::Stage& stage : timing.stages) {
+    std::printf("           %-33s %7.3f  %7.3f\n", stage.name.c_str(), 1e3 * stage.durations.calcQuantile(0.5),
+                1e3 * stage.durations.calcQuantile(0.99));
   }
   std::printf("           %-33s %7.3f  %7.3f\n", "whole cycle", 1e3 * timing.cycle.calcQuantile(0.5),
               1e3 * timing.cycle.calcQuantile(0.99));

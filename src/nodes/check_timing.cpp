@@ -1,6 +1,5 @@
 #include "check_timing.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "sinew/inverse/inverse_controller.h"
@@ -25,13 +24,6 @@ double calcSize(const TetMesh& mesh) {
 
 }  // namespace
 
-double StageDurations::calcQuantile(double share) const {
-  std::vector<double> sorted = seconds;
-  std::sort(sorted.begin(), sorted.end());
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-  return sorted[std::max<std::size_t>(rank, 1) - 1];
-}
-
 double CycleTiming::predictRate() const {
   return (1 - kFree) / cycle.calcQuantile(0.99);
 }
@@ -53,8 +45,8 @@ CycleTiming timeCycles(std::shared_ptr<const RobotModel> robot, int cycles) {
     timing.held += controller.step(input, output) == CycleStatus::kHeld;
     const StageTimes& times = output.times;
     const double seconds[] = {times.assembly, times.factor, times.compliance, times.qp, times.advance};
-    for (std::size_t s = 0; s < timing.stages.size(); ++s) timing.stages[s].seconds.push_back(seconds[s]);
-    timing.cycle.seconds.push_back(times.cycle);
+    for (std::size_t s = 0; s < timing.stages.size(); ++s) timing.stages[s].durations.add(seconds[s]);
+    timing.cycle.add(times.cycle);
   }
   return timing;
 }

@@ -4,22 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "duration_sample.h"
 #include "sinew/inverse/robot_model.h"
 
 namespace sinew {
 
-/// Durations of one stage, one a cycle.
-struct StageDurations {
-  std::string name;
-  std::vector<double> seconds;
-
-  /// The value that `share` in (0, 1] of all lie below or at.
-  double calcQuantile(double share) const;
-};
-
 struct CycleTiming {
-  std::vector<StageDurations> stages;
-  StageDurations cycle;
+  struct Stage {
+    std::string name;
+    DurationSample durations;
+  };
+  std::vector<Stage> stages;
+  DurationSample cycle;
   int held = 0;  ///< cycles that were not solved
 
   /// Hz at which 99 % of the cycles leave a quarter of their period free.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace sinew {
@@ -8,6 +9,7 @@ namespace sinew {
 class DurationSample {
  public:
   void add(double seconds) { seconds_.push_back(seconds); }
+  std::size_t size() const { return seconds_.size(); }
 
   double calcMean() const;                  ///< s; NaN without any
   double calcQuantile(double share) const;  ///< s, the value that `share` in (0, 1] of all lie below or at; likewise
