@@ -33,7 +33,8 @@ std::string lockMemory() {
   if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && geteuid() != 0) {
     return "memory is not locked (memlock is limited)";
   }
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
+  // Pages stay once they have been touched. To touch them all at once would take the processor for a tenth of a second.
+  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     return std::string("memory is not locked (") + std::strerror(errno) + ")";
   }
   // The heap keeps what it has been given, so that a page faulted in once stays.

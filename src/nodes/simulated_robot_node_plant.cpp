@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSettleTolerance = 1e-6;  // of the load
 constexpr int kSettleSteps = 60;
+constexpr int kStepsPerFactor = 4;  // the shape changes little meanwhile, and the imbalance is brought down in each step
 
 VecX makeCableZero(const std::vector<double>& values, int actuators) {
   if (values.empty()) return VecX::Zero(actuators);
@@ -39,7 +40,7 @@ RobotDescription makeDeviated(const RobotDescription& drawn, const PlantDeviatio
 
 SimulatedPlant::SimulatedPlant(const RobotDescription& drawn, const PlantDeviations& deviations)
     : robot_(std::make_shared<RobotModel>(makeDeviated(drawn, deviations))),
-      simulator_(robot_),
+      simulator_(robot_, kStepsPerFactor),
       actuation_(simulator_.makeActuation()),
       cable_zero_(makeCableZero(deviations.cable_zero, robot_->actuatorCount())) {
   std::fill(actuation_.mode.begin(), actuation_.mode.end(), Actuation::Mode::kDisplacement);

@@ -5,6 +5,7 @@ usage: tracking_recorder.py [--duration S] [--out FILE]   (in the robot's namesp
 """
 
 import argparse
+import collections
 import math
 import sys
 import time
@@ -13,6 +14,7 @@ import rospy
 from sinew.msg import ControllerState, EffectorTargets
 from std_msgs.msg import Float64
 
+RECENT = 100  # targets, one a cycle, that count as the path just gone along
 SILENCE = 60.0  # s without an enabled controller, after which nobody is there
 
 
@@ -37,9 +39,10 @@ class TrackingRecorder:
     def __init__(self):
         self.on_curve = False
         self.enabled_since = None  # s, steady
-        self.targets = {}
+        self.targets = collections.defaultdict(lambda: collections.deque(maxlen=RECENT))  # by effector
         self.first = self.last = None  # (receipt s, state)
-        self.model_errors, self.plant_errors, self.cycles = [], [], []  # m, m, s
+        self.model_errors, self.plant_errors, self.path_errors = [], [], []  # m
+        self.cycles = []  # s
         options = {"queue_size": 1000, "tcp_nodelay": True}
         rospy.Subscriber("trajectory_time", Float64, self.on_time, **options)
         rospy.Subscriber("controller_state", ControllerState, self.on_state, **options)
@@ -56,17 +59,20 @@ class TrackingRecorder:
             self.first = self.last
             self.enabled_since = self.last[0]
         self.cycles += [stage.last for stage in state.stages if stage.stage == "cycle"]
-        self.targets = {effector.name: effector.target for effector in state.effectors if effector.targeted}
-        if self.on_curve:
-            self.model_errors += [effector.error for effector in state.effectors if effector.targeted]
+        for effector in state.effectors:
+            if effector.targeted:
+                self.targets[effector.name].append(effector.target)
+                if self.on_curve:
+                    self.model_errors.append(effector.error)
 
     def on_plant(self, message):
-        if self.on_curve:
-            self.plant_errors += [
-                distance(pose.position, self.targets[name])
-                for name, pose in zip(message.name, message.pose)
-                if name in self.targets
-            ]
+        if not self.on_curve:
+            return
+        for name, pose in zip(message.name, message.pose):
+            if name in self.targets:
+                distances = [distance(pose.position, target) for target in self.targets[name]]
+                self.plant_errors.append(distances[-1])
+                self.path_errors.append(min(distances))
 
     def rate(self):
         """Hz: cycles counted by the controller over the time between their receipts."""
@@ -82,6 +88,7 @@ class TrackingRecorder:
         for name, values in (
             ("error of the model, mm", self.model_errors),
             ("error of the simulated robot, mm", self.plant_errors),
+            ("its distance from the path, mm", self.path_errors),
             ("computation of a cycle, ms", self.cycles),
         ):
             row = (name, 1e3 * mean(values), 1e3 * quantile(values, 0.99), 1e3 * quantile(values, 1))

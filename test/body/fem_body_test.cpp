@@ -225,11 +225,11 @@ std::pair<double, double> fitMode(const FemModel& model, const Mode& mode, const
   return {std::sqrt(fit[0]) / rule.period, fit[1] / rule.period};
 }
 
-/// Frequency of a clamped bar of square cells over that of Euler and Bernoulli:
+/// Frequency of a clamped bar, swinging the thin way, over that of Euler and Bernoulli:
 ///   w = 1.8751^2 sqrt(E I / (rho A L^4)), I / A = height^2 / 12.
 double relativeFrequency(int cells) {
   constexpr double kLength = 0.1, kHeight = 0.01, kYoungModulus = 1e6, kDensity = 1000;
-  const BarModel bar(Vec3(kLength, 2 * kHeight / cells, kHeight), 10 * cells, 2, cells, kYoungModulus, 0, kDensity);
+  const BarModel bar(Vec3(kLength, 1.5 * kHeight, kHeight), 10 * cells, 2, cells, kYoungModulus, 0, kDensity);
   const double exact =
       1.8751 * 1.8751 / (kLength * kLength) * std::sqrt(kYoungModulus * kHeight * kHeight / (12 * kDensity));
   const Mode mode(bar.fem);
@@ -318,7 +318,7 @@ TEST(FemBody, StaticStepLeavesNoVelocity) {
   body.endStep(rule);
   body.beginStep();
   body.linearise(rule);
-  EXPECT_GT((body.load() - body.imbalance()).norm(), body.imbalance().norm()) << "momentum";
+  EXPECT_GT((body.load() - body.imbalance()).norm(), 1e-3) << "momentum in N";
   body.endStep(StepRule());
   body.linearise(rule);
   EXPECT_LT((body.load() - body.imbalance()).norm(), 1e-12 * body.imbalance().norm());

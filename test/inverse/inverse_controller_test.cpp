@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "inverse/bar_robot.h"
 #include "inverse/robots.h"
 #include "sinew/constraint/cable.h"
 #include "sinew/fem/fem_model.h"
@@ -11,27 +12,45 @@
 namespace sinew {
 namespace {
 
-const Vec3 kTarget(0.004, -0.003, 0.055);  // m, within reach of the accordion
 constexpr double kRounding = 1e-12;
 
-std::shared_ptr<const RobotModel> accordion() {
-  static const std::shared_ptr<const RobotModel> robot = makeRobot(readShippedRobot("accordion"));
-  return robot;
+RobotDescription makeDynamic(RobotDescription description) {
+  description.control.model = MotionModel::kDynamic;
+  description.damping_mass = 2;
+  description.damping_stiffness = 0.02;
+  return description;
 }
 
-std::shared_ptr<const RobotModel> dynamicAccordion() {
-  RobotDescription description = readShippedRobot("accordion");
-  description.control.model = MotionModel::kDynamic;
-  return makeRobot(description);
+VecX makeFour(double a, double b, double c, double d) {
+  return Vec4(a, b, c, d);
 }
+
+/// Nodes and effector of a robot settled at given displacements.
+struct Configuration {
+  std::vector<Vec3> nodes;
+  Vec3 effector;
+
+  Configuration(const std::shared_ptr<const RobotModel>& robot, const VecX& displacement) {
+    ForwardSimulator forward(robot);
+    Actuation actuation = forward.makeActuation();
+    actuation.value = displacement;
+    EXPECT_EQ(forward.settle(actuation), ForwardStatus::kSolved);
+    nodes = forward.nodes();
+    effector = forward.effectors();
+  }
+};
 
 class InverseControllerTest : public testing::Test {
  protected:
-  InverseController controller{accordion()};
+  const Limits range = makeBarDescription().cables[0].displacement;
+  std::shared_ptr<const RobotModel> robot = makeBarRobot();
+  Vec3 goal = Configuration(robot, makeFour(0.001, 0.003, 0.005, 0.004)).effector;
+  InverseController controller{robot};
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
+  double step = range.rate * input.period;  // m a cable may move in a cycle
 
-  InverseControllerTest() { aimAt(kTarget); }
+  InverseControllerTest() { aimAt(goal); }
 
   void aimAt(const Vec3& target) {
     input.targeted[0] = true;
@@ -44,22 +63,22 @@ class InverseControllerTest : public testing::Test {
 };
 
 /// Targets that jump within and far beyond what can be reached: no limit may ever be passed.
-void expectLimitsKept(const std::shared_ptr<const RobotModel>& robot) {
+void expectLimitsKept(const std::shared_ptr<const RobotModel>& robot, const Vec3& centre) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   InverseController controller(robot);
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
   input.targeted[0] = true;
-  VecX before = VecX::Zero(3);
-  Vec3 target(0, 0, 0.06);
+  VecX before = VecX::Zero(robot->actuatorCount());
+  Vec3 target = centre;
   for (int cycle = 0; cycle < 300; ++cycle) {
-    if (cycle % 20 == 0) target = Vec3(0.03 * uniform(random), 0.03 * uniform(random), 0.05 + 0.03 * uniform(random));
+    if (cycle % 20 == 0) target = centre + 0.03 * Vec3(uniform(random), uniform(random), uniform(random));
     if (cycle % 97 == 0) target *= 50;
     target += 5e-4 * Vec3(uniform(random), uniform(random), uniform(random));
     input.targets = target;
     ASSERT_NE(controller.step(input, output), CycleStatus::kHeld) << "cycle " << cycle;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < robot->actuatorCount(); ++i) {
       const CableDescription& cable = robot->cables()[i].description();
       EXPECT_GE(output.displacement[i], cable.displacement.min);
       EXPECT_LE(output.displacement[i], cable.displacement.max);
@@ -73,17 +92,17 @@ void expectLimitsKept(const std::shared_ptr<const RobotModel>& robot) {
 }
 
 TEST(InverseController, KeepsEveryLimitAndRateWhateverTheTarget) {
-  expectLimitsKept(accordion());
+  expectLimitsKept(makeRobot(readShippedRobot("accordion")), Vec3(0, 0, 0.05));
 }
 
 TEST(InverseController, KeepsThemInADynamicRobotToo) {
-  expectLimitsKept(dynamicAccordion());
+  expectLimitsKept(makeBarRobot(makeDynamic(makeBarDescription())), Vec3(0.09, 0.01, 0));
 }
 
 TEST_F(InverseControllerTest, BringsTheEffectorToItsTarget) {
   run(100);
-  EXPECT_LT((output.effectors - kTarget).norm(), 1e-7);
-  EXPECT_NEAR(output.effector_error, (output.effectors - kTarget).norm(), 1e-12);
+  EXPECT_LT((output.effectors - goal).norm(), 1e-7);
+  EXPECT_NEAR(output.effector_error, (output.effectors - goal).norm(), 1e-12);
   EXPECT_LT(output.residual_relative, 1e-7);
   EXPECT_EQ(output.reason, HoldReason::kNone);
   EXPECT_EQ(output.newton_steps, 1);
@@ -94,11 +113,11 @@ TEST_F(InverseControllerTest, BringsTheEffectorToItsTarget) {
 TEST_F(InverseControllerTest, CommandsWhatItsModelShows) {
   run(100);
   std::vector<Vec3> points;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 4; ++i) {
     controller.calcCablePoints(i, points);
     double length = 0;
     for (std::size_t k = 1; k < points.size(); ++k) length += (points[k] - points[k - 1]).norm();
-    EXPECT_NEAR(output.displacement[i], accordion()->cables()[i].restLength() - length, 1e-9);
+    EXPECT_NEAR(output.displacement[i], robot->cables()[i].restLength() - length, 1e-9);
   }
 }
 
@@ -112,7 +131,7 @@ TEST_F(InverseControllerTest, HoldsTheLastCommandOnEveryBadInputAndRecovers) {
   bad[1].targets[2] = std::numeric_limits<double>::infinity();
   bad[2].targets.resize(2);
   bad[3].targeted.clear();
-  bad[4].applied = Vec3(0, std::nan(""), 0);
+  bad[4].applied = makeFour(0, std::nan(""), 0, 0);
   bad[5].applied = VecX::Zero(2);
   bad[6].period = 0;
   bad[7].period = std::nan("");
@@ -128,7 +147,7 @@ TEST_F(InverseControllerTest, HoldsTheLastCommandOnEveryBadInputAndRecovers) {
   EXPECT_EQ(controller.step(good, output), CycleStatus::kSolved);
   EXPECT_EQ(output.reason, HoldReason::kNone);
   run(60);
-  EXPECT_LT((output.effectors - kTarget).norm(), 1e-7);
+  EXPECT_LT((output.effectors - goal).norm(), 1e-7);
 }
 
 TEST_F(InverseControllerTest, HoldsTheCablesWithoutATarget) {
@@ -140,18 +159,17 @@ TEST_F(InverseControllerTest, HoldsTheCablesWithoutATarget) {
     EXPECT_EQ(output.displacement, command);
   }
   EXPECT_LT(output.residual_relative, 1e-8);
-  EXPECT_LT((output.effectors - kTarget).norm(), 1e-6);
+  EXPECT_LT((output.effectors - goal).norm(), 1e-6);
 }
 
 TEST_F(InverseControllerTest, FreshControllerWithoutATargetStaysAtNoDisplacement) {
   input.targeted[0] = false;
   run(20);
-  EXPECT_EQ(output.displacement, VecX::Zero(3));
+  EXPECT_EQ(output.displacement, VecX::Zero(4));
 }
 
 TEST_F(InverseControllerTest, CountsRatesFromWhatWasApplied) {
   run(3);
-  const double step = accordion()->cables()[0].description().displacement.rate * input.period;
   for (int k = 0; k < 30; ++k) {
     input.applied = 0.5 * output.displacement;
     const VecX applied = input.applied;
@@ -162,10 +180,8 @@ TEST_F(InverseControllerTest, CountsRatesFromWhatWasApplied) {
 
 // A cable found outside its range returns into it at the rate, without a jump.
 TEST_F(InverseControllerTest, ReturnsIntoItsRangeNoFasterThanTheRateAllows) {
-  const Limits& range = accordion()->cables()[0].description().displacement;
-  const double step = range.rate * input.period;
-  const Vec3 outside = Vec3::Constant(range.min - 2.5 * step);
-  ASSERT_LT(controller.resynchronise(outside), 1e-6);
+  const VecX outside = VecX::Constant(4, range.min - 2.5 * step);
+  ASSERT_LT(controller.resynchronise(outside), 1e-9);
   VecX before = outside;
   for (int k = 0; k < 4; ++k) {
     ASSERT_NE(controller.step(input, output), CycleStatus::kHeld);
@@ -177,17 +193,13 @@ TEST_F(InverseControllerTest, ReturnsIntoItsRangeNoFasterThanTheRateAllows) {
 }
 
 TEST_F(InverseControllerTest, FollowsGivenDisplacements) {
-  const Vec3 given(0.004, 0.002, 0.006);
+  const VecX given = makeFour(0.001, 0.002, 0.006, 0.004);
   for (int k = 0; k < 60; ++k) ASSERT_EQ(controller.follow(given, input.period, output), CycleStatus::kSolved);
-  EXPECT_EQ(output.displacement, VecX(given));
-  ForwardSimulator forward(accordion());
-  Actuation actuation = forward.makeActuation();
-  actuation.value = given;
-  ASSERT_EQ(forward.settle(actuation), ForwardStatus::kSolved);
-  EXPECT_LT((output.effectors - forward.effectors()).norm(), 1e-8);
+  EXPECT_EQ(output.displacement, given);
+  EXPECT_LT((output.effectors - Configuration(robot, given).effector).norm(), 1e-8);
   EXPECT_EQ(controller.follow(VecX::Zero(2), input.period, output), CycleStatus::kHeld);
-  EXPECT_EQ(controller.follow(Vec3(0, 0, std::nan("")), input.period, output), CycleStatus::kHeld);
-  EXPECT_EQ(output.displacement, VecX(given));
+  EXPECT_EQ(controller.follow(makeFour(0, 0, 0, std::nan("")), input.period, output), CycleStatus::kHeld);
+  EXPECT_EQ(output.displacement, given);
 }
 
 double worstNode(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
@@ -197,25 +209,28 @@ double worstNode(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 }
 
 TEST_F(InverseControllerTest, ResynchronisesToAMeasuredConfiguration) {
-  ForwardSimulator forward(accordion());
-  Actuation actuation = forward.makeActuation();
   run(20);  // somewhere else
-  for (const Vec3& measured : {Vec3(0.005, 0.010, 0.015), Vec3(0.012, 0.004, 0.003), Vec3(0.002, 0.002, 0.002)}) {
-    actuation.value = measured;
-    ASSERT_EQ(forward.settle(actuation), ForwardStatus::kSolved);
+  for (const VecX& measured :
+       {makeFour(0.001, 0.005, 0.010, 0.002), makeFour(-0.01, -0.01, 0.004, 0.006), makeFour(0, 0, 0, 0)}) {
     EXPECT_LT(controller.resynchronise(measured), 1e-9);
-    EXPECT_LT(worstNode(controller.nodes(), forward.nodes()), 1e-6);
+    EXPECT_LT(worstNode(controller.nodes(), Configuration(robot, measured).nodes), 1e-6);
     ASSERT_NE(controller.step(input, output), CycleStatus::kHeld);
-    const double step = accordion()->cables()[0].description().displacement.rate * input.period;
     EXPECT_LE((output.displacement - measured).cwiseAbs().maxCoeff(), step + kRounding);
   }
 }
 
-TEST(InverseController, ResynchronisesADynamicRobotAtRest) {
-  const auto robot = dynamicAccordion();
-  InverseController controller(robot);
-  CycleOutput output = controller.makeOutput();
+TEST(InverseController, ResynchronisesTheShippedAccordion) {
+  const auto robot = makeRobot(readShippedRobot("accordion"));
   const Vec3 measured(0.005, 0.010, 0.015);
+  InverseController controller(robot);
+  EXPECT_LT(controller.resynchronise(measured), 1e-9);
+  EXPECT_LT(worstNode(controller.nodes(), Configuration(robot, measured).nodes), 1e-6);
+}
+
+TEST(InverseController, ResynchronisesADynamicRobotAtRest) {
+  InverseController controller(makeBarRobot(makeDynamic(makeBarDescription())));
+  CycleOutput output = controller.makeOutput();
+  const VecX measured = makeFour(0.001, 0.005, 0.010, 0.002);
   EXPECT_LT(controller.resynchronise(measured), 1e-9);
   const std::vector<Vec3> nodes = controller.nodes();
   for (int k = 0; k < 20; ++k) ASSERT_EQ(controller.follow(measured, 0.01, output), CycleStatus::kSolved);
@@ -226,7 +241,7 @@ TEST_F(InverseControllerTest, RefusesToResynchroniseToNonsense) {
   run(20);
   const std::vector<Vec3> nodes = controller.nodes();
   EXPECT_EQ(controller.resynchronise(VecX::Zero(2)), std::numeric_limits<double>::infinity());
-  EXPECT_EQ(controller.resynchronise(Vec3(0, std::nan(""), 0)), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(controller.resynchronise(makeFour(0, std::nan(""), 0, 0)), std::numeric_limits<double>::infinity());
   EXPECT_EQ(controller.nodes(), nodes);
 }
 
@@ -237,48 +252,50 @@ TEST_F(InverseControllerTest, ResetForgetsEverything) {
     commands.push_back(output.displacement);
   }
   controller.reset();
-  EXPECT_EQ(controller.nodes(), accordion()->fem().rest());
+  EXPECT_EQ(controller.nodes(), robot->fem().rest());
   for (const VecX& command : commands) {
     run(1);
     EXPECT_LT((output.displacement - command).norm(), 1e-12);
   }
 }
 
-TEST_F(InverseControllerTest, ReportsTheLimitsThatItSitsOn) {
-  aimAt(Vec3(0, 0, 0.001));
-  controller.step(input, output);
-  ASSERT_FALSE(output.limits.empty());
-  for (const ActiveLimitReport& limit : output.limits) {
-    EXPECT_EQ(limit.kind, LimitKind::kRateMax);
-    EXPECT_EQ(limit.value, 0.1);
-  }
-  for (int k = 0; k < 200; ++k) ASSERT_NE(controller.step(input, output), CycleStatus::kHeld);
-  std::vector<bool> reported(3, false);
-  for (const ActiveLimitReport& limit : output.limits) {
-    const CableDescription& cable = accordion()->cables()[limit.actuator].description();
-    if (limit.kind == LimitKind::kDisplacementMax) {
-      EXPECT_EQ(output.displacement[limit.actuator], cable.displacement.max);
-    } else {
-      EXPECT_EQ(limit.kind, LimitKind::kEffortMax);
-      EXPECT_NEAR(output.effort[limit.actuator], cable.tension.max, 1e-6);
+TEST(InverseController, ReportsTheLimitsThatItSitsOn) {
+  RobotDescription description = makeBarDescription();
+  for (CableDescription& cable : description.cables) cable.displacement.max = 0.008;
+  InverseController controller(makeBarRobot(description));
+  CycleInput input = controller.makeInput();
+  CycleOutput output = controller.makeOutput();
+  input.targeted[0] = true;
+  input.targets = Vec3(0.02, 0.01, 0.01);  // far into the bar
+  const auto expectReported = [&](LimitKind kind, double value, double at) {
+    std::vector<bool> reported(4, false);
+    for (const ActiveLimitReport& limit : output.limits) {
+      EXPECT_EQ(limit.kind, kind);
+      EXPECT_EQ(limit.value, value);
+      EXPECT_EQ(limit.violation, 0);
+      reported[limit.actuator] = true;
     }
-    reported[limit.actuator] = true;
-  }
-  EXPECT_EQ(reported, std::vector<bool>(3, true));
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(reported[i], output.displacement[i] > at - 1e-10) << i;
+    EXPECT_GE(output.limits.size(), 2U);
+  };
+  ASSERT_EQ(controller.step(input, output), CycleStatus::kSolved);
+  expectReported(LimitKind::kRateMax, 0.2, 0.2 * input.period);
+  for (int k = 0; k < 100; ++k) ASSERT_EQ(controller.step(input, output), CycleStatus::kSolved);
+  expectReported(LimitKind::kDisplacementMax, 0.008, 0.008);
 }
 
 // A tension that no command within the range can hold: the tension gives way, and the cycle says so.
 TEST(InverseController, DegradesWhereTensionAndDisplacementExcludeEachOther) {
-  RobotDescription description = readShippedRobot("accordion");
+  RobotDescription description = makeBarDescription();
   for (CableDescription& cable : description.cables) {
     cable.displacement = {-0.0001, 0.0001, 0.1};
     cable.tension = {5, 30, kUnlimited};
   }
-  InverseController controller(makeRobot(description));
+  InverseController controller(makeBarRobot(description));
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
   input.targeted[0] = true;
-  input.targets = kTarget;
+  input.targets = Vec3(0.1, 0.01, 0.01);
   for (int k = 0; k < 50; ++k) {
     ASSERT_EQ(controller.step(input, output), CycleStatus::kDegraded);
     EXPECT_LE(output.displacement.cwiseAbs().maxCoeff(), 0.0001);

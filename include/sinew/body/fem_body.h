@@ -33,6 +33,8 @@ class FemBody {
   /// Marks the present configuration as the start of a step; `linearise` and `advance` may then repeat within it.
   void beginStep();
   void linearise(const StepRule& rule, Tangent tangent = Tangent::kExact);
+  /// For a static step: b at the present configuration, with `matrix()` and its factor left as they were.
+  void updateLoad();
   VecX& load() { return load_; }  ///< b, natural order
   const VecX& load() const { return load_; }
   BlockMatrix& matrix() { return data_.tangent; }  ///< A

@@ -29,9 +29,13 @@ class CondensedRobot {
   /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present
   /// values.
   void linearise(const VecX& effort, const StepRule& rule, StageTimes& times);
+  /// The same with the tangent and factor of an earlier `condense`, for a static step: a modified Newton step.
+  void relinearise(const VecX& effort, StageTimes& times);
   /// Factorises and condenses. Where the exact tangent is indefinite (a body near buckling) the semi-definite one takes
   /// its place, with the cost of a second assembly; false when even that is not positive definite.
   bool condense(StageTimes& times);
+  /// Condenses with the factor of an earlier `condense`.
+  void recondense(StageTimes& times);
 
   const MatX& compliance() const { return compliance_; }      ///< W, rows x rows [m/N]
   const VecX& freeMotion() const { return free_motion_; }     ///< H dx_free, one per row [m]
@@ -46,6 +50,7 @@ class CondensedRobot {
 
  private:
   void assembleSystem(Tangent tangent);
+  void addActuators(bool with_stiffness);
   bool factorise(StageTimes& times);
 
   std::shared_ptr<const RobotModel> robot_;

@@ -19,6 +19,9 @@ class ForwardStep {
   ForwardStatus step(const Actuation& actuation, const StepRule& rule, CondensedRobot& robot, VecX& effort,
                      StageTimes& times);
 
+  /// A static step with the factor of the last `step`: a small part of its cost, for motions that are small meanwhile.
+  ForwardStatus stepAgain(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times);
+
   /// Quasi-static Newton steps until the imbalance is below `tolerance` of the load and the displacements are met to
   /// `tolerance` of the cables' lengths.
   ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot, VecX& effort,

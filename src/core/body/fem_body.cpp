@@ -42,6 +42,12 @@ void FemBody::linearise(const StepRule& rule, Tangent tangent) {
   }
 }
 
+void FemBody::updateLoad() {
+  assembleForces(*model_, positions_, data_);
+  imbalance_ = data_.force + gravity_force_;
+  load_ = imbalance_;
+}
+
 double FemBody::advance(const VecX& motion, double max_node_step) {
   double longest = 0;
   for (int i = 0; i < model_->freeCount(); ++i) {

@@ -41,8 +41,8 @@ StepRule CondensedRobot::makeRule(double period) const {
           description.damping_stiffness};
 }
 
-void CondensedRobot::assembleSystem(Tangent tangent) {
-  body_.linearise(rule_, tangent);
+void CondensedRobot::addActuators(bool with_stiffness) {
+  BlockMatrix* matrix = with_stiffness ? &body_.matrix() : nullptr;
   rows_.clear();
   cable_force_.setZero();
   const std::vector<Vec3>& positions = body_.positions();
@@ -51,14 +51,19 @@ void CondensedRobot::assembleSystem(Tangent tangent) {
     displacement_[i] = cable.calcDisplacement(positions);
     cable.addRow(positions, rows_);
     rows_.addTransposed(i, effort_[i], cable_force_);
-    cable.addLoadStiffness(positions, effort_[i], body_.matrix());
+    if (with_stiffness) cable.addLoadStiffness(positions, effort_[i], *matrix);
   }
   load_norm_ = body_.gravityForce().norm() + cable_force_.norm();
-  for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, &body_.matrix());
+  for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, matrix);
   for (const PointEffector& effector : robot_->effectors()) effector.addRows(rows_);
   body_.load() += cable_force_;
   body_.imbalance() += cable_force_;
   residual_ = body_.imbalance().norm();
+}
+
+void CondensedRobot::assembleSystem(Tangent tangent) {
+  body_.linearise(rule_, tangent);
+  addActuators(true);
 }
 
 void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTimes& times) {
@@ -66,6 +71,13 @@ void CondensedRobot::linearise(const VecX& effort, const StepRule& rule, StageTi
   effort_ = effort;
   rule_ = rule;
   assembleSystem(Tangent::kExact);
+}
+
+void CondensedRobot::relinearise(const VecX& effort, StageTimes& times) {
+  const StageTimer timer(times.assembly);
+  effort_ = effort;
+  body_.updateLoad();
+  addActuators(false);
 }
 
 bool CondensedRobot::factorise(StageTimes& times) {
@@ -83,6 +95,11 @@ bool CondensedRobot::factorise(StageTimes& times) {
 
 bool CondensedRobot::condense(StageTimes& times) {
   if (!factorise(times)) return false;
+  recondense(times);
+  return true;
+}
+
+void CondensedRobot::recondense(StageTimes& times) {
   const StageTimer timer(times.compliance);
   SparseCholesky& cholesky = body_.cholesky();
   const auto place = [&cholesky](int i) { return cholesky.permuted(i); };
@@ -93,7 +110,6 @@ bool CondensedRobot::condense(StageTimes& times) {
   const auto Y = half_.leftCols(rows());
   compliance_.noalias() = Y.transpose() * Y;
   free_motion_.noalias() = Y.transpose() * half_.col(rows());
-  return true;
 }
 
 double CondensedRobot::advance(const VecX& effort_change, double max_node_step, StageTimes& times) {

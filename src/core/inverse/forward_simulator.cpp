@@ -10,13 +10,16 @@ struct ForwardSimulator::Impl {
   ForwardStep forward;
   VecX effort, displacement, effectors;
   StageTimes times;
+  int steps_per_factor;
+  int steps_since_factor = 0;
 
-  explicit Impl(std::shared_ptr<const RobotModel> robot)
+  Impl(std::shared_ptr<const RobotModel> robot, int steps)
       : condensed(robot),
         forward(*robot),
         effort(VecX::Zero(robot->actuatorCount())),
         displacement(VecX::Zero(robot->actuatorCount())),
-        effectors(3 * robot->effectorCount()) {
+        effectors(3 * robot->effectorCount()),
+        steps_per_factor(steps) {
     measure();
   }
 
@@ -30,8 +33,8 @@ struct ForwardSimulator::Impl {
   }
 };
 
-ForwardSimulator::ForwardSimulator(std::shared_ptr<const RobotModel> robot)
-    : impl_(std::make_unique<Impl>(std::move(robot))) {}
+ForwardSimulator::ForwardSimulator(std::shared_ptr<const RobotModel> robot, int steps_per_factor)
+    : impl_(std::make_unique<Impl>(std::move(robot), steps_per_factor)) {}
 
 ForwardSimulator::~ForwardSimulator() = default;
 
@@ -43,7 +46,11 @@ Actuation ForwardSimulator::makeActuation() const {
 
 ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) {
   const StepRule rule = impl_->condensed.makeRule(period);
-  const ForwardStatus status = impl_->forward.step(actuation, rule, impl_->condensed, impl_->effort, impl_->times);
+  Impl& impl = *impl_;
+  const bool again = !rule.dynamic && impl.steps_since_factor > 0 && impl.steps_since_factor < impl.steps_per_factor;
+  const ForwardStatus status = again ? impl.forward.stepAgain(actuation, impl.condensed, impl.effort, impl.times)
+                                     : impl.forward.step(actuation, rule, impl.condensed, impl.effort, impl.times);
+  impl.steps_since_factor = again ? impl.steps_since_factor + 1 : 1;
   impl_->measure();
   return status;
 }
@@ -56,6 +63,7 @@ ForwardStatus ForwardSimulator::settle(const Actuation& actuation, double tolera
 }
 
 void ForwardSimulator::reset() {
+  impl_->steps_since_factor = 0;
   impl_->condensed.reset();
   impl_->effort.setZero();
   impl_->measure();

@@ -43,6 +43,13 @@ ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule
   return status;
 }
 
+ForwardStatus ForwardStep::stepAgain(const Actuation& actuation, CondensedRobot& robot, VecX& effort,
+                                     StageTimes& times) {
+  robot.relinearise(effort, times);
+  robot.recondense(times);
+  return move(actuation, robot, effort, times);
+}
+
 bool ForwardStep::settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot,
                           const VecX& effort) const {
   if (!(robot.residual() <= tolerance * robot.loadNorm())) return false;
@@ -53,7 +60,7 @@ bool ForwardStep::settled(const Actuation& actuation, double tolerance, const Co
     const bool taut = effort[i] > cable.description().tension.min + slack;
     if (actuation.mode[i] == Actuation::Mode::kEffort) {
       if (effort[i] != actuation.value[i]) return false;
-    } else if ((taut ? std::abs(excess) : -excess) > tolerance * cable.restLength()) {
+    } else if (!((taut ? std::abs(excess) : -excess) <= tolerance * cable.restLength())) {
       return false;
     }
   }
