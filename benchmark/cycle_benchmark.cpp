@@ -25,6 +25,7 @@ namespace sinew {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;  // rad
+constexpr int kStepsPerFactor = 4;           // of the simulated robot
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// A robot whose first effector goes round a horizontal circle.
@@ -46,7 +47,7 @@ std::vector<Scene> makeScenes(const std::string& config) {
            0.04,
            8,
            100,
-           50,
+           100,
            {{"compliance", 10.09}, {"qp", 4.91}, {"cycle", 34.52}}}};
 }
 
@@ -127,7 +128,7 @@ std::vector<VecX> timeController(const Scene& scene, std::shared_ptr<const Robot
 /// The simulated robot pulled along the commands.
 void timePlant(const Scene& scene, std::shared_ptr<const RobotModel> robot, const std::vector<VecX>& commands) {
   using Clock = std::chrono::steady_clock;
-  ForwardSimulator simulator(robot);
+  ForwardSimulator simulator(robot, kStepsPerFactor);
   Actuation actuation = simulator.makeActuation();
   actuation.value = commands.front();
   simulator.settle(actuation, 1e-3);

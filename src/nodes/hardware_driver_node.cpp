@@ -46,7 +46,7 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
       for_diagnostics_(driver_.report()),
       node_(node),
       service_node_(private_node),
-      service_spinner_(1, &service_queue_),
+      service_thread_(service_queue_),
       diagnostics_(node, private_node) {
   const std::size_t size = description_.actuators.size();
   message_.name = description_.names();
@@ -64,12 +64,12 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
   diagnostics_.add("hardware driver", this, &HardwareDriverNode::diagnose);
   diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0),
                                              [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
-  service_spinner_.start();
+  service_thread_.start();
   bus_ = std::thread(&HardwareDriverNode::runBus, this);
 }
 
 HardwareDriverNode::~HardwareDriverNode() {
-  service_spinner_.stop();
+  service_thread_.stop();
   running_ = false;
   wake_up_.signal();
   bus_.join();
@@ -253,7 +253,7 @@ void HardwareDriverNode::shutDown() {
   wake_up_.signal();
   const double limit = description_.relax_time + kSwitchOffTime;
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(limit);
-  service_spinner_.stop();
+  service_thread_.stop();
   for (; ros::WallTime::now() < deadline; ros::WallDuration(0.01).sleep()) {
     for_services_.update();
     const DriverReport& report = for_services_.front();

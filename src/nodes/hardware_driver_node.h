@@ -3,7 +3,6 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
-#include <ros/spinner.h>
 #include <sinew/ActuatorCommand.h>
 #include <sinew/ActuatorState.h>
 #include <std_srvs/Trigger.h>
@@ -13,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "callback_thread.h"
 #include "hardware_driver_wake_up.h"
 #include "sinew/common/newest_wins.h"
 #include "sinew/hardware/command_queue.h"
@@ -67,7 +67,7 @@ class HardwareDriverNode {
   ros::NodeHandle node_;
   ros::CallbackQueue service_queue_;
   ros::NodeHandle service_node_;
-  ros::AsyncSpinner service_spinner_;
+  CallbackThread service_thread_;
   std::vector<ros::ServiceServer> verbs_;
   ros::Publisher state_;
   ActuatorState message_;

@@ -142,7 +142,10 @@ void InverseModelNode::runCycle(double begin) {
       break;
   }
   const ros::Time stamp = ros::Time::now();
-  if (state_.status != ControllerState::DISABLED) publishCommand(stamp);
+  if (state_.status != ControllerState::DISABLED) {
+    publishCommand(stamp);
+    controller_.prepare(output_);  // the next command waits for its targets only
+  }
 
   const double end = steadyNow();
   std::array<double, kStages> durations;

@@ -2,7 +2,6 @@
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PoseStamped.h>
-#include <pthread.h>
 #include <ros/ros.h>
 #include <sinew/BodyState.h>
 #include <sinew/EffectorTargets.h>
@@ -17,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "callback_thread.h"
 #include "parameters.h"
 #include "real_time.h"
 #include "ros_conversions.h"
@@ -42,17 +42,16 @@ geometry_msgs::Pose makePose(const VecX& effectors, size_t effector) {
   return pose;
 }
 
-/// Takes the calling thread out of real-time scheduling.
-void giveWay() {
-  const sched_param none{};
-  pthread_setschedparam(pthread_self(), SCHED_OTHER, &none);
+SimulatedPlant makePlant(const SimulatedRobotSettings& settings) {
+  const NormalPriority while_settling;
+  return {settings.robot, settings.deviations};
 }
 
 class SimulatedRobotNode {
  public:
   SimulatedRobotNode(ros::NodeHandle node, ros::NodeHandle private_node, const SimulatedRobotSettings& settings)
       : settings_(settings),
-        plant_(settings.robot, settings.deviations),
+        plant_(makePlant(settings)),
         bus_(settings.ids(), settings.baud),
         reeled_in_(VecX::Zero(bus_.size())),
         tension_(VecX::Zero(bus_.size())),
@@ -60,7 +59,6 @@ class SimulatedRobotNode {
         tracker_(settings.tracker),
         node_(node),
         diagnostics_(node, private_node) {
-    plant_.settle();
     advertise(private_node);
     connect();
     servo_thread_ = std::thread([this] { moveServos(); });
@@ -75,7 +73,7 @@ class SimulatedRobotNode {
   }
 
  private:
-  void advertise([[maybe_unused]] ros::NodeHandle& private_node) {
+  void advertise(ros::NodeHandle& private_node) {
     const RobotDescription& description = plant_.robot().description();
     effectors_message_.header.frame_id = description.frame;
     for (const EffectorDescription& effector : description.effectors) {
@@ -141,7 +139,7 @@ class SimulatedRobotNode {
 
   // The servos have to answer in time whatever the machine does; the body may take what is left.
   void moveBody() {
-    giveWay();
+    const NormalPriority gives_way;
     PeriodicWakeUp wake_up(1 / settings_.plant_rate);
     const int steps_per_display =
         std::max(1, static_cast<int>(std::lround(settings_.plant_rate / settings_.display_rate)));
@@ -169,7 +167,8 @@ class SimulatedRobotNode {
     while (tracker_.take(time, sample)) {
       geometry_msgs::PoseStamped message;
       message.header.frame_id = effectors_message_.header.frame_id;
-      message.header.stamp = stamp - ros::Duration(time - sample.time);
+      const double age = time - sample.time;
+      message.header.stamp = age < stamp.toSec() ? stamp - ros::Duration(age) : ros::Time();  // simulated time may be 0
       for (size_t effector = 0; effector < tracked_.size(); ++effector) {
         message.pose = makePose(sample.effectors, effector);
         tracked_[effector].publish(message);
@@ -264,7 +263,7 @@ int main(int argc, char** argv) {
   try {
     const ros::NodeHandle private_node("~");
     sinew::SimulatedRobotNode node(ros::NodeHandle(), private_node, sinew::readSimulatedRobotSettings(private_node));
-    ros::spin();
+    sinew::spinUntilShutdown();
   } catch (const std::exception& error) {
     ROS_FATAL("%s", error.what());
     return 1;

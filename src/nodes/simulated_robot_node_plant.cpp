@@ -44,6 +44,7 @@ SimulatedPlant::SimulatedPlant(const RobotDescription& drawn, const PlantDeviati
       actuation_(simulator_.makeActuation()),
       cable_zero_(makeCableZero(deviations.cable_zero, robot_->actuatorCount())) {
   std::fill(actuation_.mode.begin(), actuation_.mode.end(), Actuation::Mode::kDisplacement);
+  settle();
 }
 
 void SimulatedPlant::settle() {

@@ -22,12 +22,10 @@ RobotDescription makeDeviated(const RobotDescription& drawn, const PlantDeviatio
 /// The body that the servos pull at: one linearised step of the forward model per period.
 class SimulatedPlant {
  public:
+  /// Hangs at rest, servos at their zeros. Throws ConfigError when the body finds no equilibrium.
   SimulatedPlant(const RobotDescription& drawn, const PlantDeviations& deviations);
 
   const RobotModel& robot() const { return *robot_; }
-
-  /// Hangs at rest, servos at their zeros. Throws ConfigError when the body finds no equilibrium.
-  void settle();
 
   /// Moves on by `period` [s] with `reeled_in` [m per actuator, by the servos' angles]. A step that fails leaves the
   /// body where it was, or at rest when nothing finite is left of it, and is counted.
@@ -37,6 +35,8 @@ class SimulatedPlant {
   unsigned long failedSteps() const { return failed_steps_; }
 
  private:
+  void settle();
+
   std::shared_ptr<const RobotModel> robot_;
   ForwardSimulator simulator_;
   Actuation actuation_;

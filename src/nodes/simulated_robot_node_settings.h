@@ -22,7 +22,7 @@ struct SimulatedRobotSettings {
   int baud = 1000000;
   LineFaults line;
   std::string port_link;     ///< where the driver finds its port; empty for none
-  double plant_rate = 50;    ///< Hz
+  double plant_rate = 100;   ///< Hz
   double display_rate = 15;  ///< Hz
   SimulatedTracker::Parameters tracker;
 

@@ -41,7 +41,7 @@ TEST(HardwareDescription, ReadsTheTrunk) {
     EXPECT_EQ(h.actuators[i].spool_radius, 0.010);
     EXPECT_EQ(h.actuators[i].displacement_min, -0.03);
     EXPECT_EQ(h.actuators[i].displacement_max, 0.06);
-    EXPECT_EQ(h.actuators[i].rate_max, 0.15);
+    EXPECT_EQ(h.actuators[i].rate_max, 0.045);
     EXPECT_EQ(h.actuators[i].tension_max, 20);
     EXPECT_EQ(h.actuators[i].on_timeout, OnTimeout::kRelax);
   }

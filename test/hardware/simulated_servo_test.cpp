@@ -78,9 +78,12 @@ TEST(SimulatedServo, ARefusedWriteChangesNothing) {
 
 TEST(SimulatedServo, LimpUntilTheTorqueIsOn) {
   Bench b;
-  b.servo.setLoadTorque(-0.001);
+  b.servo.setLoadTorque(-0.005);
   b.run(0.1);
-  EXPECT_NEAR(b.servo.shaftAngle(), -0.01, 1e-9) << "dragged against the damping alone";
+  EXPECT_EQ(b.servo.shaftAngle(), 0) << "held by the friction of its gear";
+  b.servo.setLoadTorque(-0.006);
+  b.run(0.1);
+  EXPECT_NEAR(b.servo.shaftAngle(), -0.01, 1e-9) << "dragged against damping and friction";
   b.write(reg::kGoalPosition, b.read(reg::kPresentPosition));
   b.enable(OperatingMode::kExtendedPosition);
   const double angle = b.servo.shaftAngle();

@@ -110,6 +110,28 @@ TEST_F(ForwardSimulatorTest, StepsArriveWhereItSettles) {
   EXPECT_LT((simulator.effectors() - settled.effectors()).norm(), 1e-8);
 }
 
+TEST_F(ForwardSimulatorTest, StepsWithAnOlderFactorArriveThereToo) {
+  ForwardSimulator reusing(robot, 4);
+  for (const VecX& given : {makeFour(-0.01, 0.002, 0.004, 0.003), makeFour(0.004, 0.001, -0.01, 0.002)}) {
+    giveDisplacements(given);
+    for (int k = 0; k < 60; ++k) ASSERT_EQ(reusing.step(actuation, 0.01), ForwardStatus::kSolved);
+    ASSERT_EQ(simulator.settle(actuation), ForwardStatus::kSolved);
+    expectEquilibrium(reusing);
+    EXPECT_LT((reusing.effectors() - simulator.effectors()).norm(), 1e-8);
+    EXPECT_LT((reusing.effort() - simulator.effort()).norm(), 1e-5);
+  }
+}
+
+TEST_F(ForwardSimulatorTest, AFactorThatIsNoneIsNeverUsedAgain) {
+  ForwardSimulator reusing(robot, 1000);
+  giveDisplacements(makeFour(0.002, std::nan(""), 0.002, 0.002));
+  EXPECT_NE(reusing.step(actuation, 0.01), ForwardStatus::kSolved);
+  giveDisplacements(makeFour(-0.004, 0.001, 0.002, 0.001));
+  for (int k = 0; k < 100; ++k) ASSERT_EQ(reusing.step(actuation, 0.01), ForwardStatus::kSolved);
+  ASSERT_EQ(simulator.settle(actuation), ForwardStatus::kSolved);
+  EXPECT_LT((reusing.effectors() - simulator.effectors()).norm(), 1e-7);
+}
+
 TEST_F(ForwardSimulatorTest, DynamicRobotComesToRestInTheSameEquilibrium) {
   giveEfforts(makeFour(0.1, 0.2, 0.5, 0.3));
   ASSERT_EQ(simulator.settle(actuation), ForwardStatus::kSolved);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 #include "inverse/bar_robot.h"
@@ -148,6 +149,48 @@ TEST_F(InverseControllerTest, HoldsTheLastCommandOnEveryBadInputAndRecovers) {
   EXPECT_EQ(output.reason, HoldReason::kNone);
   run(60);
   EXPECT_LT((output.effectors - goal).norm(), 1e-7);
+}
+
+TEST_F(InverseControllerTest, PreparedAheadItCommandsTheSame) {
+  InverseController ahead{robot};
+  CycleOutput prepared = ahead.makeOutput();
+  for (int k = 0; k < 40; ++k) {
+    if (k == 20) aimAt(goal + Vec3(0.002, -0.001, 0.003));
+    ASSERT_EQ(controller.step(input, output), CycleStatus::kSolved);
+
+    ASSERT_EQ(ahead.step(input, prepared), CycleStatus::kSolved);
+    EXPECT_LT((prepared.displacement - output.displacement).norm(), 1e-12) << k;
+    EXPECT_EQ(prepared.times.factor == 0, k > 0) << k;
+    const double before = prepared.times.cycle;
+    ahead.prepare(prepared);
+    EXPECT_GT(prepared.times.factor, 0);
+    EXPECT_GT(prepared.times.cycle, before);
+  }
+}
+
+// Whatever else moves the model between makes what was prepared worthless.
+TEST_F(InverseControllerTest, ForgetsWhatWasPreparedWhenTheModelMoves) {
+  const VecX elsewhere = makeFour(0.001, 0.004, 0.006, 0.002);
+  const std::vector<std::function<void(InverseController&)>> moves = {
+      [](InverseController& c) { c.reset(); }, [&](InverseController& c) { c.resynchronise(elsewhere); },
+      [&](InverseController& c) {
+        CycleOutput following = c.makeOutput();
+        c.follow(elsewhere, 0.01, following);
+      }};
+  for (const auto& move : moves) {
+    InverseController ahead{robot}, plain{robot};
+    CycleOutput prepared = ahead.makeOutput();
+    for (int k = 0; k < 15; ++k) {
+      ahead.step(input, prepared);
+      plain.step(input, output);
+    }
+    ahead.prepare(prepared);
+    move(ahead);
+    move(plain);
+    ASSERT_NE(ahead.step(input, prepared), CycleStatus::kHeld);
+    ASSERT_NE(plain.step(input, output), CycleStatus::kHeld);
+    EXPECT_LT((prepared.displacement - output.displacement).norm(), 1e-9);
+  }
 }
 
 TEST_F(InverseControllerTest, HoldsTheCablesWithoutATarget) {

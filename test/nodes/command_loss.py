@@ -7,12 +7,13 @@ import time
 
 import rospy
 from line import LineTest, Recorder, find_pid, largest_step
-from sinew.msg import ActuatorCommand, ActuatorState
+from sinew.msg import ActuatorCommand, ActuatorState, BodyState
 from std_msgs.msg import Float64
 
 COMMAND_TIMEOUT = 0.1  # s, these three of config/trunk/hardware.yaml
 HOLD_LIMIT = 2.0  # s
 RELAX_TIME = 1.0  # s
+LIMP_TENSION = 0.5  # N that the gear of a limp simulated servo holds by its friction
 CYCLE = 0.05  # s that the driver may take to notice on a busy machine
 
 
@@ -21,6 +22,7 @@ class CommandLoss(LineTest):
     def setUpClass(cls):
         cls.commands = Recorder("actuator_command", ActuatorCommand)
         cls.actuators = Recorder("actuator_state", ActuatorState)
+        cls.body = Recorder("plant/body_state", BodyState)
         cls.time = Recorder("trajectory_time", Float64)
 
     def test_command_loss(self):
@@ -44,7 +46,9 @@ class CommandLoss(LineTest):
         self.check("command_loss.step_while_holding", 1e3 * largest_step(held, lambda m: m.applied), "<=", 1e-6, "mm")
         relaxed = self.actuators.newest()
         self.assertEqual(relaxed.driver_state, ActuatorState.SAFE)
-        self.check("command_loss.tension_relaxed", max(abs(effort) for effort in relaxed.effort), "<=", 0.2, "N")
+        self.check("command_loss.current_relaxed", max(abs(current) for current in relaxed.current), "<=", 0.003, "A")
+        tensions = self.body.newest().cable_tension
+        self.check("command_loss.tension_relaxed", max(tensions), "<=", LIMP_TENSION + 0.1, "N")
 
     def first(self, driver_state, begin):
         return next((t, m) for t, m in self.actuators.since(begin) if m.driver_state == driver_state)

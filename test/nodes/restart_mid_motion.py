@@ -10,7 +10,7 @@ from line import LineTest, Recorder, call, distance, find_pid, largest_step
 from sinew.msg import ActuatorCommand, ActuatorState, ControllerState, EffectorTargets
 from std_msgs.msg import Float64
 
-RATE_MAX = 0.15  # m/s, of every cable
+RATE_MAX = 0.045  # m/s, of every cable
 RATE = 100.0  # Hz
 KILLS = [2.0, 6.0, 11.0]  # s along the circle
 
@@ -44,16 +44,14 @@ class RestartMidMotion(LineTest):
         os.kill(pid, signal.SIGKILL)
         killed = time.monotonic()
         self.wait_for("the driver to hold", lambda: self.actuators.newest().driver_state == ActuatorState.HOLDING)
-        holding = time.monotonic()
         answer = call("hardware_driver/recover")
         self.assertTrue(answer.success, answer.message)
         self.wait_for("a new session", lambda: self.commands.newest().session != session)
         back = next(t for t, command in self.commands.since(killed) if command.session != session)
         self.wait_for("the curve to go on", lambda: self.curve_time() > curve_time + 1.0)
         self.check("restart_mid_motion.away_%d" % number, back - killed, "<=", 10.0, "s")
-        travel = 1e3 * self.tip_travel(holding, back)
+        travel = 1e3 * self.tip_travel(killed, back)
         self.check("restart_mid_motion.tip_while_away_%d" % number, travel, "<=", 1.0, "mm")
-        print("tip since the kill: %.3f mm" % (1e3 * self.tip_travel(killed, back)), flush=True)
 
     def tip_travel(self, begin, end):
         tips = [m.pose[m.name.index("tip")].position for t, m in self.plant.since(begin) if t <= end]

@@ -10,7 +10,7 @@ namespace sinew {
 
 /// One XM430-W350 as seen over its bus: the control table with its access rules, the motion it commands, and the
 /// alarms. Mechanics are quasi-static,
-///   damping * omega = motor torque + load torque,
+///   damping * omega = motor torque + load torque - friction of a limp shaft,
 /// with the motor torque bounded by the goal current (mode 5) or the current limit, the supply and the PWM limit. Time
 /// passes only in `step()`, except for the millisecond clock of the line side.
 class SimulatedServo {
@@ -20,6 +20,7 @@ class SimulatedServo {
     double stall_torque = 4.1;                 ///< N m at 12 V
     double no_load_speed = 46 * 2 * kPi / 60;  ///< rad/s at 12 V
     double damping = 0.01;                     ///< N m s/rad of the gear, the speed at which a load drags a limp shaft
+    double friction = 0.005;                   ///< N m that the gear of a limp shaft holds before a load drags it
     double response_time = 0.005;              ///< s, time constant with which the shaft follows its profile
     double brown_out = 7;                      ///< V of supply below which the electronics stop
     std::uint8_t firmware = 45;

@@ -41,7 +41,7 @@ class CondensedRobot {
   const VecX& freeMotion() const { return free_motion_; }     ///< H dx_free, one per row [m]
   const VecX& displacement() const { return displacement_; }  ///< delta_a at the linearisation, per actuator [m]
   double residual() const { return residual_; }               ///< N, unbalanced force at the linearisation
-  double loadNorm() const { return load_norm_; }              ///< N, gravity and cables'
+  double loadNorm() const { return load_norm_; }              ///< N, gravity and cables', never 0
 
   /// Moves the body for a change of the efforts [N]; returns the scale <= 1 that was applied to motion and change.
   double advance(const VecX& effort_change, double max_node_step, StageTimes& times);
@@ -61,6 +61,7 @@ class CondensedRobot {
   MatX compliance_;
   VecX effort_, free_motion_, displacement_, cable_force_, half_motion_, motion_;
   StepRule rule_;
+  double negligible_load_;  // N
   double residual_ = 0, load_norm_ = 0;
 };
 

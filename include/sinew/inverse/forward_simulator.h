@@ -12,7 +12,7 @@ namespace sinew {
 /// The robot as physics moves it: actuation in, configuration out. Same model and elements as the controller.
 class ForwardSimulator {
  public:
-  /// `steps_per_factor`: a static robot's tangent is factorised anew in one step out of so many.
+  /// `steps_per_factor`: near rest, a static robot's tangent is factorised anew in one step out of so many.
   explicit ForwardSimulator(std::shared_ptr<const RobotModel> robot, int steps_per_factor = 1);
   ~ForwardSimulator();
 

@@ -340,7 +340,9 @@ void SimulatedServo::substep(double dt) {
     torque_ = 0;
     profile_ = {angle_, 0};
   }
-  omega_ = clampAbs((torque_ + load_) / parameters_.damping, parameters_.no_load_speed);
+  // What moves the shaft under torque has already overcome the friction of its gear.
+  const double held = torqueEnabled() ? 0 : clampAbs(load_, parameters_.friction);
+  omega_ = clampAbs((torque_ + load_ - held) / parameters_.damping, parameters_.no_load_speed);
   angle_ += omega_ * dt;
 }
 

@@ -1,10 +1,24 @@
 #include "sinew/inverse/condensed_robot.h"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
 
 namespace sinew {
 namespace {
+
+constexpr double kNegligibleStrain = 1e-8;
+
+/// N: strains the whole body by so little that it counts as no load, as in a weightless robot at rest.
+double calcNegligibleLoad(const FemModel& fem) {
+  double modulus = 0;
+  for (const FemModel::Element& element : fem.elements()) modulus = std::max(modulus, element.lame.mu);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& node : fem.rest()) box.extend(node);
+  return kNegligibleStrain * modulus * box.diagonal().squaredNorm();
+}
 
 int countRows(const RobotModel& robot) {
   int rows = robot.actuatorCount();
@@ -33,7 +47,8 @@ CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
       displacement_(VecX::Zero(actuators_)),
       cable_force_(VecX::Zero(robot_->fem().size())),
       half_motion_(robot_->fem().size()),
-      motion_(VecX::Zero(robot_->fem().size())) {}
+      motion_(VecX::Zero(robot_->fem().size())),
+      negligible_load_(calcNegligibleLoad(robot_->fem())) {}
 
 StepRule CondensedRobot::makeRule(double period) const {
   const RobotDescription& description = robot_->description();
@@ -53,7 +68,7 @@ void CondensedRobot::addActuators(bool with_stiffness) {
     rows_.addTransposed(i, effort_[i], cable_force_);
     if (with_stiffness) cable.addLoadStiffness(positions, effort_[i], *matrix);
   }
-  load_norm_ = body_.gravityForce().norm() + cable_force_.norm();
+  load_norm_ = std::max(negligible_load_, body_.gravityForce().norm() + cable_force_.norm());
   for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, matrix);
   for (const PointEffector& effector : robot_->effectors()) effector.addRows(rows_);
   body_.load() += cable_force_;

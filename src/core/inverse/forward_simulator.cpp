@@ -5,6 +5,12 @@
 
 namespace sinew {
 
+namespace {
+
+constexpr double kReusableResidual = 0.05;  // of the load; farther from rest an older factor may lead in circles
+
+}  // namespace
+
 struct ForwardSimulator::Impl {
   CondensedRobot condensed;
   ForwardStep forward;
@@ -47,10 +53,11 @@ Actuation ForwardSimulator::makeActuation() const {
 ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) {
   const StepRule rule = impl_->condensed.makeRule(period);
   Impl& impl = *impl_;
-  const bool again = !rule.dynamic && impl.steps_since_factor > 0 && impl.steps_since_factor < impl.steps_per_factor;
+  const bool again = !rule.dynamic && impl.steps_since_factor > 0 && impl.steps_since_factor < impl.steps_per_factor &&
+                     residualRelative() < kReusableResidual;
   const ForwardStatus status = again ? impl.forward.stepAgain(actuation, impl.condensed, impl.effort, impl.times)
                                      : impl.forward.step(actuation, rule, impl.condensed, impl.effort, impl.times);
-  impl.steps_since_factor = again ? impl.steps_since_factor + 1 : 1;
+  impl.steps_since_factor = status != ForwardStatus::kSolved ? 0 : again ? impl.steps_since_factor + 1 : 1;
   impl_->measure();
   return status;
 }
@@ -58,6 +65,7 @@ ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) 
 ForwardStatus ForwardSimulator::settle(const Actuation& actuation, double tolerance, int max_steps) {
   const ForwardStatus status =
       impl_->forward.settle(actuation, tolerance, max_steps, impl_->condensed, impl_->effort, impl_->times);
+  impl_->steps_since_factor = 0;
   impl_->measure();
   return status;
 }

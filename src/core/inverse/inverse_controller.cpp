@@ -87,6 +87,7 @@ struct InverseController::Impl {
   VecX row_motion;           // m, every row
   VecX last_valid_effort;
   StepDamping damping;
+  bool prepared = false;  // `condensed` holds the linear problem of the next step
 
   explicit Impl(std::shared_ptr<const RobotModel> model)
       : robot(model),
@@ -175,12 +176,18 @@ struct InverseController::Impl {
     return output.qp_status == QpStatus::kSolved ? HoldReason::kNone : HoldReason::kQpFailed;
   }
 
-  HoldReason newtonStep(const CycleInput& input, CycleOutput& output) {
-    condensed.linearise(effort, StepRule(), output.times);
+  HoldReason condense(StageTimes& times) {
+    condensed.linearise(effort, StepRule(), times);
     if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
-    if (!condensed.condense(output.times)) return HoldReason::kNotPositiveDefinite;
+    return condensed.condense(times) ? HoldReason::kNone : HoldReason::kNotPositiveDefinite;
+  }
+
+  HoldReason newtonStep(const CycleInput& input, CycleOutput& output) {
+    HoldReason reason = prepared ? HoldReason::kNone : condense(output.times);
+    prepared = false;
+    if (reason != HoldReason::kNone) return reason;
     damping.update(condensed.freeMotion().norm());
-    const HoldReason reason = planEfforts(input, output);
+    reason = planEfforts(input, output);
     if (reason != HoldReason::kNone) return reason;
 
     const double scale =
@@ -288,6 +295,7 @@ struct InverseController::Impl {
     if (displacement.size() != actuators() || !displacement.allFinite()) {
       return hold(input, HoldReason::kNotFinite, output);
     }
+    prepared = false;
     held.value = displacement;
     last_valid_effort = effort;
     cycle_start = displacement;
@@ -339,6 +347,11 @@ CycleOutput InverseController::makeOutput() const {
   return output;
 }
 
+void InverseController::prepare(CycleOutput& output) {
+  const StageTimer timer(output.times.cycle);
+  impl_->prepared = impl_->condense(output.times) == HoldReason::kNone;
+}
+
 CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output) {
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
@@ -371,6 +384,7 @@ double InverseController::resynchronise(const VecX& measured) {
   Impl& impl = *impl_;
   const double failed = std::numeric_limits<double>::infinity();
   if (measured.size() != impl.actuators() || !measured.allFinite()) return failed;
+  impl.prepared = false;
   VecX start(impl.actuators());
   for (int i = 0; i < impl.actuators(); ++i) {
     start[i] = impl.robot->cables()[i].calcDisplacement(impl.condensed.body().positions());
@@ -393,6 +407,7 @@ double InverseController::resynchronise(const VecX& measured) {
 }
 
 void InverseController::reset() {
+  impl_->prepared = false;
   impl_->condensed.reset();
   impl_->effort.setZero();
   if (impl_->moving) impl_->moving->place(impl_->condensed.body().positions(), impl_->effort);
