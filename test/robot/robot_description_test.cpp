@@ -35,12 +35,19 @@ cables:
     pull_point: [-0.01, 0, 0]
     via_points: [[-0.01, 0, 0.2]]
 control: {model: dynamic, newton_steps: 3, max_node_step: 0.02, reach_per_cycle: 0.03, smoothing: 0.1}
+obstacles:
+  - {name: floor, plane: {point: [0, 0, 0.3], normal: [0, 0, -2]}}
+  - {name: post, link: post, tracked: true}
+contacts: {method: volume, alarm_distance: 0.004, contact_distance: 0.002, self: true, max_contacts: 7, resolution: 32}
 )";
 
 // The robot hangs: its frame is turned by pi about x.
 constexpr const char* kUrdf = R"(<robot name="arm"><link name="world"/><link name="arm_frame"/>
   <joint name="hang" type="fixed"><parent link="world"/><child link="arm_frame"/>
-    <origin xyz="0 0 1" rpy="3.14159265358979 0 0"/></joint></robot>)";
+    <origin xyz="0 0 1" rpy="3.14159265358979 0 0"/></joint>
+  <link name="post"><collision><geometry><cylinder radius="0.02" length="0.5"/></geometry></collision></link>
+  <joint name="stands" type="fixed"><parent link="world"/><child link="post"/><origin xyz="0.3 0 0"/></joint>
+  </robot>)";
 
 std::string replaced(const std::string& text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -236,6 +243,45 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"smoothing: 0.1", "smoothing: -1", "control.smoothing: found '-1'"}));
 
 INSTANTIATE_TEST_SUITE_P(
+    WrongObstacles, RobotMistake,
+    testing::Values(
+        Mistake{"name: post", "name: floor", "obstacles[1].name: found 'floor', expected a name used once"},
+        Mistake{"link: post, ", "", "obstacles[1].link: found nothing, expected either link"},
+        Mistake{"normal: [0, 0, -2]", "normal: [0, 0, 0]", "obstacles[0].plane.normal: found [0, 0, 0], expected the"},
+        Mistake{"tracked: true", "traced: true", "obstacles[1].traced: found an unknown key"},
+        Mistake{"method: volume", "method: guess", "contacts.method: found 'guess', expected one of proximity, volume"},
+        Mistake{"alarm_distance: 0.004", "alarm_distance: 0", "contacts.alarm_distance: found '0'"},
+        Mistake{"contact_distance: 0.002", "contact_distance: 0.004", "contacts.contact_distance: found '0.004'"},
+        Mistake{"max_contacts: 7", "max_contacts: 0", "contacts.max_contacts: found '0'"},
+        Mistake{"resolution: 32", "resolutoin: 32", "contacts.resolutoin: found an unknown key"}));
+
+TEST_F(RobotDescriptionTest, ReadsObstacles) {
+  const RobotDescription robot = read(kYaml);
+  ASSERT_EQ(robot.obstacles.size(), 2U);
+  const ObstacleDescription& floor = robot.obstacles[0];
+  EXPECT_EQ(floor.name, "floor");
+  EXPECT_FALSE(floor.tracked);
+  ASSERT_EQ(floor.geometries.size(), 1U);
+  EXPECT_EQ(floor.geometries[0].kind, ObstacleGeometry::Kind::kPlane);
+  EXPECT_LT((floor.geometries[0].origin.linear() * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-12);
+  EXPECT_EQ(floor.geometries[0].origin.translation(), Vec3(0, 0, 0.3));
+  const ObstacleDescription& post = robot.obstacles[1];
+  EXPECT_TRUE(post.tracked);
+  EXPECT_EQ(post.geometries[0].kind, ObstacleGeometry::Kind::kCylinder);
+  EXPECT_LT((post.pose.translation() - Vec3(0.3, 0, 1)).norm(), 1e-12) << "in the frame of the hanging robot";
+}
+
+TEST_F(RobotDescriptionTest, ReadsHowContactsAreFound) {
+  const ContactDescription contacts = read(kYaml).contacts;
+  EXPECT_EQ(contacts.method, ContactMethod::kVolume);
+  EXPECT_EQ(contacts.alarm_distance, 0.004);
+  EXPECT_EQ(contacts.contact_distance, 0.002);
+  EXPECT_TRUE(contacts.self);
+  EXPECT_EQ(contacts.max_contacts, 7);
+  EXPECT_EQ(contacts.resolution, 32);
+}
+
+INSTANTIATE_TEST_SUITE_P(
     Misspelt, RobotMistake,
     testing::Values(Mistake{"damping: {", "dampin: {", "dampin: found an unknown key"},
                     Mistake{"scale:", "scal:", "mesh.scal: found an unknown key"},
@@ -253,7 +299,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(RobotDescriptionTest, NamesAFrameThatTheUrdfDoesNotHave) {
   const std::string complaint = complaintOf([&] { readWith("frame: arm_frame", "frame: elsewhere"); });
   EXPECT_EQ(complaint,
-            folder.path() + "/arm.urdf: link: found 'elsewhere', expected one of its links: arm_frame world");
+            folder.path() + "/arm.urdf: link: found 'elsewhere', expected one of its links: arm_frame post world");
   EXPECT_NE(complaintOf([&] { readWith("frame: world", "frame: earth"); }).find("found 'earth'"), std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sinew/common/types.h"
+#include "sinew/robot/obstacle_description.h"
 
 namespace sinew {
 
@@ -84,6 +85,8 @@ struct RobotDescription {
   std::vector<CableDescription> cables;
   std::vector<EffectorDescription> effectors;
   ControlDescription control;
+  std::vector<ObstacleDescription> obstacles;
+  ContactDescription contacts;
 };
 
 /// Reads a robot's YAML and its URDF. Throws ConfigError with the key's full name, the value and what is right.

@@ -163,6 +163,65 @@ ControlDescription readControl(const YamlReader& yaml) {
   return control;
 }
 
+ObstacleGeometry readPlane(const YamlReader& yaml) {
+  ObstacleGeometry plane;
+  plane.kind = ObstacleGeometry::Kind::kPlane;
+  const Vec3 normal = yaml.vec3("normal");
+  if (!(normal.norm() > 0)) yaml.fail("normal", "the direction that points out of the half space, not zero");
+  plane.origin.linear() = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
+  plane.origin.translation() = yaml.vec3("point");
+  yaml.refuseUnknownKeys();
+  return plane;
+}
+
+// A plane of the robot's frame, or a link of the URDF.
+ObstacleDescription readObstacle(const YamlReader& yaml, const RobotDescription& robot) {
+  ObstacleDescription obstacle;
+  obstacle.name = yaml.text("name");
+  obstacle.tracked = yaml.flagOr("tracked", false);
+  if (yaml.has("plane") == yaml.has("link")) {
+    yaml.fail("link", "either link (of the URDF, with collision geometry) or plane, one of the two");
+  }
+  if (yaml.has("plane")) {
+    obstacle.geometries = {readPlane(yaml.map("plane"))};
+  } else {
+    const std::string link = yaml.text("link");
+    if (robot.urdf_file.empty()) yaml.fail("link", "a URDF named by the key urdf, with this link in it");
+    obstacle.geometries = readUrdfCollision(robot.urdf_file, link);
+    obstacle.pose = readUrdfPose(robot.urdf_file, robot.frame, link);
+  }
+  yaml.refuseUnknownKeys();
+  return obstacle;
+}
+
+std::vector<ObstacleDescription> readObstacles(const YamlReader& yaml, const RobotDescription& robot) {
+  std::vector<ObstacleDescription> obstacles;
+  std::set<std::string> names;
+  for (const YamlReader& item : yaml.maps("obstacles")) {
+    obstacles.push_back(readObstacle(item, robot));
+    refuseDuplicate(item, obstacles.back().name, names);
+  }
+  return obstacles;
+}
+
+ContactDescription readContacts(const YamlReader& yaml) {
+  ContactDescription contacts;
+  if (!yaml.has("contacts")) return contacts;
+  const YamlReader map = yaml.map("contacts");
+  contacts.method =
+      map.choiceOr("method", {"proximity", "volume"}, 0) == 0 ? ContactMethod::kProximity : ContactMethod::kVolume;
+  contacts.alarm_distance = map.positiveOr("alarm_distance", contacts.alarm_distance);
+  contacts.contact_distance = map.numberOr("contact_distance", contacts.contact_distance, 0);
+  if (contacts.contact_distance >= contacts.alarm_distance) {
+    map.fail("contact_distance", "a distance below alarm_distance");
+  }
+  contacts.self = map.flagOr("self", contacts.self);
+  contacts.max_contacts = map.integerOr("max_contacts", contacts.max_contacts, 1, 1000);
+  contacts.resolution = map.integerOr("resolution", contacts.resolution, 8, 1024);
+  map.refuseUnknownKeys();
+  return contacts;
+}
+
 }  // namespace
 
 RobotDescription readRobotDescription(const std::string& path) {
@@ -181,6 +240,8 @@ RobotDescription readRobotDescription(const std::string& path) {
   robot.effectors = readEffectors(yaml);
   readDamping(yaml, robot);
   robot.control = readControl(yaml);
+  robot.obstacles = readObstacles(yaml, robot);
+  robot.contacts = readContacts(yaml);
   yaml.refuseUnknownKeys();
   return robot;
 }
