@@ -273,7 +273,7 @@ TEST_F(RobotDescriptionTest, ReadsObstacles) {
 
 TEST_F(RobotDescriptionTest, ReadsHowContactsAreFound) {
   const ContactDescription contacts = read(kYaml).contacts;
-  EXPECT_EQ(contacts.method, ContactMethod::kVolume);
+  EXPECT_EQ(contacts.method, DetectionMethod::kVolume);
   EXPECT_EQ(contacts.alarm_distance, 0.004);
   EXPECT_EQ(contacts.contact_distance, 0.002);
   EXPECT_TRUE(contacts.self);

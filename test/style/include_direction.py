@@ -8,6 +8,7 @@ DIRECTLY_BELOW = {
     "common": (),
     "linalg": ("common",),
     "mesh": ("common",),
+    "contact": ("mesh",),
     "solver": ("common",),
     "robot": ("common",),
     "fem": ("linalg", "mesh"),

@@ -27,11 +27,11 @@ struct ObstacleDescription {
   bool tracked = false;          ///< its pose is heard while running, and it may be absent
 };
 
-enum class ContactMethod { kProximity, kVolume };
+enum class DetectionMethod { kProximity, kVolume };
 
 /// How contacts are found.
 struct ContactDescription {
-  ContactMethod method = ContactMethod::kProximity;
+  DetectionMethod method = DetectionMethod::kProximity;
   double alarm_distance = 0.005;    ///< m below which two surfaces are watched
   double contact_distance = 0.001;  ///< m that stays between them
   bool self = false;                ///< whether the robot may touch itself

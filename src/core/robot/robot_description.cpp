@@ -209,7 +209,7 @@ ContactDescription readContacts(const YamlReader& yaml) {
   if (!yaml.has("contacts")) return contacts;
   const YamlReader map = yaml.map("contacts");
   contacts.method =
-      map.choiceOr("method", {"proximity", "volume"}, 0) == 0 ? ContactMethod::kProximity : ContactMethod::kVolume;
+      map.choiceOr("method", {"proximity", "volume"}, 0) == 0 ? DetectionMethod::kProximity : DetectionMethod::kVolume;
   contacts.alarm_distance = map.positiveOr("alarm_distance", contacts.alarm_distance);
   contacts.contact_distance = map.numberOr("contact_distance", contacts.contact_distance, 0);
   if (contacts.contact_distance >= contacts.alarm_distance) {
