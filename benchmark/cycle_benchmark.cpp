@@ -12,10 +12,12 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "duration_sample.h"
+#include "real_time.h"
 #include "sinew/fem/fem_model.h"
 #include "sinew/inverse/forward_simulator.h"
 #include "sinew/inverse/inverse_controller.h"
@@ -56,6 +58,11 @@ void pinToOneCore() {
   CPU_ZERO(&cores);
   CPU_SET(sched_getcpu(), &cores);
   sched_setaffinity(0, sizeof cores, &cores);
+}
+
+/// Sleeps as long as the work took: the kernel stops real-time threads that never do.
+void rest(double worked) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(worked));
 }
 
 const char* nameInstructionSet() {
@@ -107,6 +114,7 @@ std::vector<VecX> timeController(const Scene& scene, std::shared_ptr<const Robot
   for (int k = -cycles / 4; k < cycles; ++k) {  // the first quarter leads to the circle
     input.targets.head<3>() = calcTarget(scene, k / scene.rate);
     controller.step(input, output);
+    rest(output.times.cycle);
     if (k < 0) continue;
     assembly.add(output.times.assembly);
     factor.add(output.times.factor);
@@ -138,7 +146,9 @@ void timePlant(const Scene& scene, std::shared_ptr<const RobotModel> robot, cons
     actuation.value = commands[k];
     const Clock::time_point begin = Clock::now();
     simulator.step(actuation, 1 / scene.plant_rate);
-    steps.add(std::chrono::duration<double>(Clock::now() - begin).count());
+    const double worked = std::chrono::duration<double>(Clock::now() - begin).count();
+    steps.add(worked);
+    rest(worked);
   }
   printStage(scene.name + "_plant", *robot, "cycle", steps, kNone);
   std::printf(" core_percent=%.1f\n", 100 * steps.calcMean() * scene.plant_rate);
@@ -177,6 +187,7 @@ int main(int argc, char** argv) {
   }
   try {
     sinew::pinToOneCore();
+    sinew::requestRealTime(sinew::kCyclePriority);  // as the controller's cycle runs, where that is allowed
     return sinew::runAll(argv[1], std::vector<std::string>(argv + 2, argv + argc));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cycle_benchmark: %s\n", error.what());

@@ -85,7 +85,7 @@ CHECKS = (
         "servo_bus_faults",
         "Packets on the servo bus are corrupted, dropped and delayed: no wrong value is believed, and the counters agree "
         "with what was injected.",
-        [gtest("hardware_dynamixel_bus_test"), rostest("servo_bus_faults")],
+        [gtest("hardware_dynamixel_bus_test"), gtest("hardware_hardware_driver_test")],
     ),
     Check(
         "command_loss",

@@ -3,6 +3,7 @@
 import collections
 import os
 import re
+import sys
 
 TestRun = collections.namedtuple("TestRun", "passed seconds lines")
 
@@ -30,15 +31,37 @@ def read_log(path):
     return runs
 
 
+def read_lines(path):
+    if not os.path.exists(path):
+        return []
+    with open(path, encoding="utf-8") as file:
+        return find_checks(file.read())
+
+
 def read_results(folder):
-    """Every log of a folder, and the lines of tests that write them to the file `lines` instead of printing them."""
+    """Every log of a folder, and the lines of tests that write them to the file `lines` instead of printing them. What
+    was run again replaces what it was before."""
     runs = {}
-    for name in sorted(os.listdir(folder)):
-        if name.endswith(".log"):
-            runs.update(read_log(os.path.join(folder, name)))
-    lines = ()
-    path = os.path.join(folder, "lines")
-    if os.path.exists(path):
-        with open(path, encoding="utf-8") as file:
-            lines = tuple(find_checks(file.read()))
-    return runs, lines
+    logs = [name for name in os.listdir(folder) if name.endswith(".log")]
+    for name in sorted(logs, key=lambda name: (name.endswith(".again.log"), name)):
+        runs.update(read_log(os.path.join(folder, name)))
+    again = read_lines(os.path.join(folder, "lines.again"))
+    replaced = {name_check(line) for line in again}
+    first = [line for line in read_lines(os.path.join(folder, "lines")) if name_check(line) not in replaced]
+    return runs, (*first, *again)
+
+
+def name_check(line):
+    return CHECK.match(line).group(1).split(".")[0]
+
+
+def main():
+    """Prints how many tests of the folder passed and failed; an error when none ran."""
+    runs, _ = read_results(sys.argv[1])
+    passed = sum(run.passed for run in runs.values())
+    print(f"{passed} passed, {len(runs) - passed} failed")
+    return not runs
+
+
+if __name__ == "__main__":
+    sys.exit(main())

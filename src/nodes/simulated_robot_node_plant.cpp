@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kSettleTolerance = 1e-6;  // of the load
 constexpr int kSettleSteps = 60;
-constexpr int kStepsPerFactor = 4;  // the shape changes little meanwhile, and the imbalance is brought down in each step
+constexpr int kStepsPerFactor =
+    4;  // the shape changes little meanwhile, and the imbalance is brought down in each step
 
 VecX makeCableZero(const std::vector<double>& values, int actuators) {
   if (values.empty()) return VecX::Zero(actuators);

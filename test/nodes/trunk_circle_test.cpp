@@ -24,10 +24,10 @@
 namespace sinew {
 namespace {
 
-constexpr double kTurn = 8;                  // s
-constexpr double kTurns = 2;                 // 1
-constexpr double kRate = 100;                // Hz
-constexpr double kPatience = 90;             // s until the circle has to be done
+constexpr double kTurn = 8;       // s
+constexpr double kTurns = 2;      // 1
+constexpr double kRate = 100;     // Hz
+constexpr double kPatience = 90;  // s until the circle has to be done
 
 double calcMean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -141,8 +141,8 @@ class Listener {
 
   ros::NodeHandle node_;
   std::vector<ros::Subscriber> subscribers_;
-  std::atomic<double> time_{-1e9};                                      // s along the circle
-  Vec3 target_;                                                         // m, of the moment
+  std::atomic<double> time_{-1e9};  // s along the circle
+  Vec3 target_;                     // m, of the moment
   bool targeted_ = false;
   std::map<std::uint32_t, double> target_receipts_, command_receipts_;  // s by sequence
   std::map<std::uint32_t, std::uint32_t> command_of_target_;            // sequences

@@ -55,7 +55,7 @@ class YamlReader {
   std::string path(const std::string& key) const;
 
  private:
-  YamlReader(YAML::Node node, std::string file, std::string prefix);
+  YamlReader(const YAML::Node& node, std::string file, std::string prefix);
   YAML::Node require(const std::string& key, const std::string& expected) const;
   std::string fullName(const std::string& key) const;
 

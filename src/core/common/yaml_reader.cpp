@@ -1,7 +1,7 @@
 #include "sinew/common/yaml_reader.h"
 
 #include <cmath>
-#include <ios>
+#include <filesystem>
 #include <sstream>
 
 #include "sinew/common/config_error.h"
@@ -47,20 +47,19 @@ bool convert(const YAML::Node& node, Vec3& value) {
 
 }  // namespace
 
-YamlReader::YamlReader(YAML::Node node, std::string file, std::string prefix)
-    : node_(std::move(node)),
+YamlReader::YamlReader(const YAML::Node& node, std::string file, std::string prefix)
+    : node_(node),
       file_(std::move(file)),
       prefix_(std::move(prefix)),
       asked_(std::make_shared<std::set<std::string>>()) {}
 
 YamlReader YamlReader::fromFile(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throw ConfigError(path, "a folder", "a YAML file");
   try {
     const YAML::Node root = YAML::LoadFile(path);
     if (!root.IsMap()) throw ConfigError(path, describe(root), "a mapping of keys to values");
     return YamlReader(root, path, "");
   } catch (const YAML::BadFile&) {
-    throw ConfigError(path, "no readable file", "a YAML file");
-  } catch (const std::ios_base::failure&) {  // a folder, say
     throw ConfigError(path, "no readable file", "a YAML file");
   } catch (const YAML::ParserException& e) {
     throw ConfigError(path, e.what(), "valid YAML");
@@ -229,7 +228,7 @@ void YamlReader::fail(const std::string& key, const std::string& expected) const
 }
 
 std::string YamlReader::path(const std::string& key) const {
-  const std::string value = text(key);
+  std::string value = text(key);
   const std::size_t slash = file_.rfind('/');
   if (value.front() == '/' || slash == std::string::npos) return value;
   return file_.substr(0, slash + 1) + value;

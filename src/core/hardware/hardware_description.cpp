@@ -19,11 +19,8 @@ namespace {
 /// A map of the file, its name in full, and the map that fills in what it leaves out.
 class Section {
  public:
-  Section(YAML::Node node, std::string path, YAML::Node common = {}, std::string common_path = {})
-      : node_(std::move(node)),
-        path_(std::move(path)),
-        common_(std::move(common)),
-        common_path_(std::move(common_path)) {
+  Section(const YAML::Node& node, std::string path, const YAML::Node& common = {}, std::string common_path = {})
+      : node_(node), path_(std::move(path)), common_(common), common_path_(std::move(common_path)) {
     if (!node_.IsMap()) throw ConfigError(path_, describe(node_), "a map");
   }
 

@@ -160,6 +160,7 @@ void checkDuplicatedNodes(const TetMesh& mesh, MeshReport& report) {
   const double tolerance = kSameNode * (report.upper - report.lower).norm();
   const Vec3 direction = Vec3(1, std::sqrt(2.0), std::sqrt(3.0)).normalized();
   std::vector<std::pair<double, int>> order;
+  order.reserve(mesh.nodes.size());
   for (int i = 0; i < report.nodes; ++i) order.emplace_back(direction.dot(mesh.nodes[static_cast<std::size_t>(i)]), i);
   std::sort(order.begin(), order.end());
 
