@@ -19,9 +19,9 @@ class ForwardProblemTest : public testing::Test {
 
   double uniform(double min, double max) { return std::uniform_real_distribution<double>(min, max)(random); }
 
-  /// A compliance of `rank`, in m/N of soft robots, with more rows than actuators.
-  Case makeCase(int actuators, int rank) {
-    MatX root(actuators + 2, rank);
+  /// A compliance of `rank`, in m/N of soft robots, with `others` more rows than actuators.
+  Case makeCase(int actuators, int rank, int others = 2) {
+    MatX root(actuators + others, rank);
     for (int k = 0; k < root.size(); ++k) root(k / rank, k % rank) = uniform(-1, 1);
     Case c;
     c.W = 1e-3 * root * root.transpose();
@@ -57,14 +57,21 @@ class ForwardProblemTest : public testing::Test {
   }
 };
 
+QpStatus solve(const Case& c, ForwardProblem& problem, VecX& change) {
+  const int actuators = static_cast<int>(c.effort.size());
+  const QpStatus status = problem.solve(c.W, actuators, c.displacement, VecX(), c.effort, c.actuation);
+  if (status == QpStatus::kSolved) change = problem.effortChange();
+  return status;
+}
+
 TEST_F(ForwardProblemTest, EveryCableIsTautAtItsLengthOrSlack) {
   int taut = 0, slack = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const int actuators = 1 + static_cast<int>(random() % 8);
     const Case c = makeCase(actuators, actuators + 2);
-    ForwardProblem problem(c.effort_min);
+    ForwardProblem problem(c.effort_min, 0);
     VecX change(actuators);
-    ASSERT_EQ(problem.solve(c.W, c.displacement, c.effort, c.actuation, change), QpStatus::kSolved);
+    ASSERT_EQ(solve(c, problem, change), QpStatus::kSolved);
     expectComplementarity(c, change);
     for (int i = 0; i < actuators; ++i) {
       if (c.actuation.mode[i] == Actuation::Mode::kEffort) continue;
@@ -86,28 +93,64 @@ TEST_F(ForwardProblemTest, TakesARedundantCompliance) {
       const bool given = c.actuation.mode[i] == Actuation::Mode::kEffort;
       c.actuation.value[i] = given ? c.effort[i] + reached[i] : lengths[i];
     }
-    ForwardProblem problem(c.effort_min);
+    ForwardProblem problem(c.effort_min, 0);
     VecX change(4);
-    ASSERT_EQ(problem.solve(c.W, c.displacement, c.effort, c.actuation, change), QpStatus::kSolved);
+    ASSERT_EQ(solve(c, problem, change), QpStatus::kSolved);
     expectComplementarity(c, change);
   }
 }
 
 TEST_F(ForwardProblemTest, RefusesWhatIsNoNumberAndRecovers) {
   const Case good = makeCase(3, 5);
-  ForwardProblem problem(good.effort_min);
+  ForwardProblem problem(good.effort_min, 0);
   VecX change = VecX::Constant(3, 7);
   for (double bad : {std::nan(""), 0.0}) {
     Case c = good;
     c.W(1, 1) = bad;
-    EXPECT_EQ(problem.solve(c.W, c.displacement, c.effort, c.actuation, change), QpStatus::kNotFinite);
+    EXPECT_EQ(solve(c, problem, change), QpStatus::kNotFinite);
   }
   Case c = good;
   c.actuation.value[1] = std::nan("");
-  EXPECT_NE(problem.solve(c.W, c.displacement, c.effort, c.actuation, change), QpStatus::kSolved);
+  EXPECT_NE(solve(c, problem, change), QpStatus::kSolved);
   EXPECT_EQ(change, VecX::Constant(3, 7));
-  ASSERT_EQ(problem.solve(good.W, good.displacement, good.effort, good.actuation, change), QpStatus::kSolved);
+  ASSERT_EQ(solve(good, problem, change), QpStatus::kSolved);
   expectComplementarity(good, change);
+}
+
+// Signorini's law beside the cables', with the effectors' rows in between; half of the contacts double another one.
+TEST_F(ForwardProblemTest, ContactsPressOrStandOff) {
+  int pressing = 0, apart = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const int actuators = 1 + static_cast<int>(random() % 4), contacts = 2 * (1 + static_cast<int>(random() % 5));
+    const int first = actuators + 3;
+    Case c = makeCase(actuators, first + contacts + 2, 3 + contacts);
+    MatX& W = c.W;
+    VecX gap(contacts);
+    for (int i = 0; i < contacts; ++i) gap[i] = 1e-3 * uniform(-1, 1);
+    for (int i = 0; i < contacts; i += 2) {
+      W.row(first + i + 1) = W.row(first + i).eval();
+      W.col(first + i + 1) = W.col(first + i).eval();
+      gap[i + 1] = gap[i];
+    }
+    ForwardProblem problem(c.effort_min, contacts);
+    ASSERT_EQ(problem.solve(W, first, c.displacement, gap, c.effort, c.actuation), QpStatus::kSolved);
+    const VecX change = problem.effortChange(), force = problem.contactForce();
+    VecX cables = c.displacement;
+    cables += W.block(0, first, actuators, contacts) * force;
+    Case pushed = c;
+    pushed.displacement = cables;
+    expectComplementarity(pushed, change);
+    const VecX apart_by = gap + W.block(first, 0, contacts, actuators) * change +
+                          W.block(first, first, contacts, contacts) * force;
+    for (int i = 0; i < contacts; ++i) {
+      EXPECT_GE(force[i], 0);
+      EXPECT_GE(apart_by[i], -1e-9);
+      EXPECT_LT(std::min(force[i], apart_by[i] / 1e-3), 1e-5) << force[i] << " N, " << apart_by[i] << " m";
+      ++(force[i] > 1e-6 ? pressing : apart);
+    }
+  }
+  EXPECT_GT(pressing, 300);
+  EXPECT_GT(apart, 300);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Case {
   InverseProblemData data;
   CycleLimits limits;
 
-  Case(int actuators, int rows) : data(actuators, rows), limits(actuators) {
+  Case(int actuators, int rows) : data(actuators, rows, 0), limits(actuators) {
     data.effector_rows = rows;
     data.effort.setZero();
     data.displacement.setZero();
@@ -46,6 +46,7 @@ class InverseProblemTest : public testing::Test {
     Case c(actuators, rows);
     const MatX root = makeRandom(actuators, actuators + 1);
     c.data.W_aa = root * root.transpose() + 0.05 * MatX::Identity(actuators, actuators);
+    c.data.unit_compliance = c.data.W_aa.diagonal();
     c.data.W_ea = makeRandom(rows, actuators);
     c.data.effector_error = makeRandom(rows, 1);
     for (int i = 0; i < actuators; ++i) {
@@ -62,7 +63,7 @@ class InverseProblemTest : public testing::Test {
 
 InverseProblemResult solve(const Case& c) {
   const int actuators = static_cast<int>(c.data.effort.size());
-  InverseProblem problem(actuators, static_cast<int>(c.data.W_ea.rows()));
+  InverseProblem problem(actuators, static_cast<int>(c.data.W_ea.rows()), 0);
   InverseProblemResult result(actuators);
   EXPECT_EQ(problem.solve(c.data, c.limits, result), result.status);
   return result;
@@ -153,6 +154,7 @@ TEST_F(InverseProblemTest, DoesNotDependOnTheUnits) {
     Case other = c;
     const double metre = 1e-4, newton = 1e3;
     other.data.W_aa *= metre / newton;
+    other.data.unit_compliance *= metre / newton;
     other.data.W_ea *= metre / newton;
     for (VecX* length : {&other.data.effector_error, &other.data.displacement, &other.limits.displacement_min,
                          &other.limits.displacement_max}) {
@@ -206,11 +208,11 @@ TEST_F(InverseProblemTest, DisplacementLimitsNeverGiveWay) {
 
 TEST_F(InverseProblemTest, RefusesWhatIsNoNumberAndRecovers) {
   const Case good = makeCase(3, 2);
-  InverseProblem problem(3, 2);
+  InverseProblem problem(3, 2, 0);
   InverseProblemResult result(3);
   for (double bad : {std::nan(""), kFree, 0.0}) {
     Case c = good;
-    c.data.W_aa(1, 1) = bad;
+    c.data.W_aa(1, 1) = c.data.unit_compliance[1] = bad;
     EXPECT_NE(problem.solve(c.data, c.limits, result), QpStatus::kSolved);
   }
   Case c = good;

@@ -5,6 +5,8 @@
 
 #include "sinew/body/fem_body.h"
 #include "sinew/constraint/constraint_rows.h"
+#include "sinew/inverse/contact_finder.h"
+#include "sinew/inverse/contact_stiffness.h"
 #include "sinew/inverse/robot_model.h"
 #include "sinew/inverse/stage_times.h"
 
@@ -12,8 +14,9 @@ namespace sinew {
 
 /// The robot linearised and condensed to its constraints: the body moves by dx = dx_free + A^-1 H_a^T d_effort, where
 /// "free" leaves the efforts as they are, so a row changes from its present value by
-///   H dx = free + W_(row, actuators) d_effort,   W = H A^-1 H^T.
-/// Rows are the actuators, in order, then the effectors' controlled axes.
+///   H dx = free + W_(row, actuators) d_effort + W_(row, contacts) contact force,   W = H A^-1 H^T.
+/// Rows are the actuators, in order, the effectors' controlled axes, then the contacts. Efforts are solved in changes,
+/// contact forces as totals. A cycle is linearise, factorise, addContacts (none if left out), condense, advance.
 class CondensedRobot {
  public:
   explicit CondensedRobot(std::shared_ptr<const RobotModel> robot);
@@ -22,6 +25,8 @@ class CondensedRobot {
   FemBody& body() { return body_; }
   const FemBody& body() const { return body_; }
   int actuators() const { return actuators_; }
+  int contacts() const { return static_cast<int>(gap_size_); }
+  int firstContact() const { return actuators_ + effector_rows_; }  ///< row
   int rows() const { return rows_.rows(); }
 
   StepRule makeRule(double period) const;
@@ -29,37 +34,44 @@ class CondensedRobot {
   /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present
   /// values.
   void linearise(const VecX& effort, const StepRule& rule, StageTimes& times);
-  /// The same with the tangent and factor of an earlier `condense`, for a static step: a modified Newton step.
+  /// The same with the tangent and factor of an earlier `factorise`, for a static step: a modified Newton step.
   void relinearise(const VecX& effort, StageTimes& times);
-  /// Factorises and condenses. Where the exact tangent is indefinite (a body near buckling) the semi-definite one takes
-  /// its place, with the cost of a second assembly; false when even that is not positive definite.
-  bool condense(StageTimes& times);
-  /// Condenses with the factor of an earlier `condense`.
-  void recondense(StageTimes& times);
+  /// Where the exact tangent is indefinite (a body near buckling) the semi-definite one takes its place, with the cost
+  /// of a second assembly; false when even that is not positive definite.
+  bool factorise(StageTimes& times);
+  /// Rows of the contacts that `finder` has found at the present configuration.
+  void addContacts(const ContactFinder& finder);
+  void condense(StageTimes& times);
 
-  const MatX& compliance() const { return compliance_; }      ///< W, rows x rows [m/N]
-  const VecX& freeMotion() const { return free_motion_; }     ///< H dx_free, one per row [m]
+  auto compliance() const { return compliance_.topLeftCorner(rows(), rows()); }  ///< W [m/N]
+  auto freeMotion() const { return free_motion_.head(rows()); }                  ///< H dx_free, one per row [m]
+  auto gap() const { return gap_.head(contacts()); }                             ///< of the contacts, as found [m]
   const VecX& displacement() const { return displacement_; }  ///< delta_a at the linearisation, per actuator [m]
-  double residual() const { return residual_; }               ///< N, unbalanced force at the linearisation
-  double loadNorm() const { return load_norm_; }              ///< N, gravity and cables', never 0
+  /// N, unbalanced force at the linearisation; contacts press as they were last solved.
+  double residual() const { return residual_; }
+  double loadNorm() const { return load_norm_; }  ///< N, gravity, cables' and contacts', never 0
 
-  /// Moves the body for a change of the efforts [N]; returns the scale <= 1 that was applied to motion and change.
-  double advance(const VecX& effort_change, double max_node_step, StageTimes& times);
+  /// Moves the body for a change of the efforts and for contact forces [N]; returns the scale <= 1 that was applied to
+  /// motion and change.
+  double advance(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force, double max_node_step,
+                 StageTimes& times);
 
   void reset();
 
  private:
   void assembleSystem(Tangent tangent);
   void addActuators(bool with_stiffness);
-  bool factorise(StageTimes& times);
 
   std::shared_ptr<const RobotModel> robot_;
   FemBody body_;
   ConstraintRows rows_;
-  int actuators_;
+  int actuators_, effector_rows_;
   MatX half_;  // Y = L^-1 P [H^T b]
   MatX compliance_;
-  VecX effort_, free_motion_, displacement_, cable_force_, half_motion_, motion_;
+  VecX effort_, free_motion_, displacement_, gap_, cable_force_, contact_force_, half_motion_, motion_;
+  Eigen::Index gap_size_ = 0;
+  const ContactFinder* finder_ = nullptr;  // of the contact rows
+  ContactStiffness contact_stiffness_;
   StepRule rule_;
   double negligible_load_;  // N
   double residual_ = 0, load_norm_ = 0;

@@ -26,12 +26,17 @@ class ForwardSimulator {
 
   void reset();
 
+  /// Where the obstacles are from now on, in the order of the robot's description.
+  void setObstacles(const std::vector<ObstacleState>& obstacles);
+
   const std::vector<Vec3>& nodes() const;                            ///< m, present positions
   void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
   const VecX& displacement() const;  ///< per actuator [m], of the cables in the present configuration
   const VecX& effort() const;        ///< per actuator [N]
   const VecX& effectors() const;     ///< 3 x effectors [m]
-  double residual() const;           ///< N
+  const ContactList& contacts() const;                ///< as found at the start of the last step
+  Eigen::VectorBlock<const VecX> contactForce() const;  ///< N, of these contacts
+  double residual() const;                            ///< N
   double residualRelative() const;   ///< 1
 
  private:

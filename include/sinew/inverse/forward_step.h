@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sinew/inverse/condensed_robot.h"
+#include "sinew/inverse/contact_finder.h"
 #include "sinew/inverse/forward_problem.h"
 
 namespace sinew {
@@ -12,28 +13,32 @@ class ForwardStep {
  public:
   explicit ForwardStep(const RobotModel& robot);
 
-  /// Solves for the efforts of a condensed robot and moves it; updates the total `effort` [N].
+  /// Solves for the efforts and contact forces of a condensed robot and moves it; updates the total `effort` [N].
   ForwardStatus move(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times);
 
-  /// One step by `rule`; updates the total `effort` [N] and the body.
-  ForwardStatus step(const Actuation& actuation, const StepRule& rule, CondensedRobot& robot, VecX& effort,
-                     StageTimes& times);
+  /// One step by `rule`; updates the total `effort` [N] and the body. `contacts` looks for contacts, null for none.
+  ForwardStatus step(const Actuation& actuation, const StepRule& rule, ContactFinder* contacts, CondensedRobot& robot,
+                     VecX& effort, StageTimes& times);
 
   /// A static step with the factor of the last `step`: a small part of its cost, for motions that are small meanwhile.
-  ForwardStatus stepAgain(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times);
+  ForwardStatus stepAgain(const Actuation& actuation, ContactFinder* contacts, CondensedRobot& robot, VecX& effort,
+                          StageTimes& times);
 
   /// Quasi-static Newton steps until the imbalance is below `tolerance` of the load and the displacements are met to
   /// `tolerance` of the cables' lengths.
-  ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot, VecX& effort,
-                       StageTimes& times);
+  ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, ContactFinder* contacts,
+                       CondensedRobot& robot, VecX& effort, StageTimes& times);
 
+  auto contactForce() const { return problem_.contactForce(); }  ///< N, of the last step's contacts
   int qpIterations() const { return problem_.iterations(); }
 
  private:
+  ForwardStatus touchAndMove(const Actuation& actuation, ContactFinder* contacts, CondensedRobot& robot, VecX& effort,
+                             StageTimes& times);
   bool settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot, const VecX& effort) const;
 
   ForwardProblem problem_;
-  VecX displacement_, change_;
+  VecX displacement_, change_, gap_;
 };
 
 }  // namespace sinew

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sinew/common/types.h"
+#include "sinew/inverse/contact_finder.h"
 #include "sinew/inverse/robot_model.h"
 #include "sinew/inverse/stage_times.h"
 #include "sinew/solver/dense_qp.h"
@@ -28,10 +29,21 @@ struct ActiveLimitReport {
   double violation = 0;  ///< by how much it gave way, 0 when kept
 };
 
+/// How the contacts of a cycle were answered; the forces and gaps belong to `InverseController::contacts()`.
+struct ContactReport {
+  int count = 0;
+  VecX force, gap;              ///< N, m, at the solution of the linear problem; the leading `count` entries
+  bool proved_global = false;   ///< no better choice of pressing contacts exists
+  bool declined_better = false; ///< a better but far choice was left
+  int pieces = 0, nodes = 0;    ///< that the search solved
+};
+
 /// What a cycle reads. Sizes are those of the robot: three coordinates an effector, one value an actuator.
 struct CycleInput {
   VecX targets;                ///< 3 x effectors [m], robot frame
   std::vector<bool> targeted;  ///< per effector: false leaves it free until its first target arrives
+  /// Where the obstacles are [m], robot frame, in the order of the robot's description; a missing tail stays as it was.
+  std::vector<ObstacleState> obstacles;
   VecX applied;          ///< per actuator [m]: displacement that the driver applied last; size 0 when nobody tells
   double period = 0.01;  ///< s
 };
@@ -48,6 +60,7 @@ struct CycleOutput {
   double residual = 0;           ///< N, norm of the unbalanced force at the new configuration
   double residual_relative = 0;  ///< residual over the norm of the load
   std::vector<ActiveLimitReport> limits;
+  ContactReport contacts;
   int qp_iterations = 0;
   QpStatus qp_status = QpStatus::kSolved;
   int newton_steps = 0;
@@ -85,6 +98,7 @@ class InverseController {
   void reset();
 
   const std::vector<Vec3>& nodes() const;                            ///< m, present positions
+  const ContactList& contacts() const;                               ///< of the last cycle, as found at its start
   void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
 
  private:

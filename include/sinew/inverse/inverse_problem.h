@@ -13,15 +13,21 @@ struct CycleLimits {
   VecX effort_min, effort_max;              ///< N, of the total effort; give way when nothing else is possible
 };
 
-/// The linear problem of one cycle (thesis 3.3.2), in increments of the efforts.
+/// The linear problem of one cycle (thesis 3.3.2), in increments of the efforts d. Where contacts press, their forces
+/// have been eliminated from it, see `ContactPiece`.
 struct InverseProblemData {
-  InverseProblemData(int actuators, int max_effector_rows);
-  MatX W_aa;            ///< actuators x actuators, m/N
+  InverseProblemData(int actuators, int max_effector_rows, int max_contacts);
+  VecX unit_compliance;  ///< actuators, m/N > 0: W_aa's diagonal without contacts, the scale of the unknowns
+  MatX W_aa;             ///< actuators x actuators, m/N
   MatX W_ea;            ///< effector rows x actuators, m/N; the leading `effector_rows` count
   VecX effector_error;  ///< weighted error with efforts unchanged, m
   int effector_rows = 0;
   VecX displacement;           ///< with efforts unchanged, m
   VecX effort;                 ///< present total, N
+  MatX W_ca;                   ///< the leading `contacts` rows count: W_ca d + contact >= -slack, never gives way
+  VecX contact;                ///< gaps [m] or forces [N] with efforts unchanged
+  VecX contact_slack;          ///< what rounding left of them at a point known to be possible
+  int contacts = 0;
   double damping = 0;          ///< 1, against the change of effort, relative to the best-driven direction
   double negligible_gain = 0;  ///< m; when the effector error cannot fall by more, it is left as it is
 };
@@ -41,7 +47,7 @@ struct InverseProblemResult {
 /// the least violation. No allocation after construction.
 class InverseProblem {
  public:
-  InverseProblem(int actuators, int max_effector_rows);
+  InverseProblem(int actuators, int max_effector_rows, int max_contacts);
   QpStatus solve(const InverseProblemData& data, const CycleLimits& limits, InverseProblemResult& result);
   void forget();
 
@@ -51,10 +57,13 @@ class InverseProblem {
   QpStatus solveEffectors(const InverseProblemData& data, InverseProblemResult& result);
   QpStatus relaxEfforts(InverseProblemResult& result);
   void solveEnergy(const InverseProblemData& data, InverseProblemResult& result);
+  /// Limits on displacements and contacts: the leading rows of every programme in `variables` >= actuators unknowns.
+  void fillRows(int variables, QpProblem& qp) const;
 
-  int actuators_;
+  int actuators_, contacts_ = 0;
   VecX scale_;           // sqrt(W_ii)
-  MatX W_, E_;           // scaled compliance; scaled effector rows over their largest entry
+  MatX W_, E_, C_;       // scaled compliance; scaled effector rows over their largest entry; contact rows, longest 1
+  VecX contact_min_;     // of the contact rows
   double unit_ = 1;      // what the effector rows were divided by
   VecX error_, energy_;  // scaled error; scaled gradient of the energy
   VecX z_min_, z_max_, row_min_, row_max_, z_, relaxation_;

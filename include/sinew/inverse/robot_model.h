@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/inverse/obstacle.h"
 #include "sinew/mesh/surface.h"
 #include "sinew/mesh/tet_mesh.h"
 #include "sinew/robot/robot_description.h"
@@ -29,11 +30,15 @@ class RobotModel {
   const FemModel& fem() const { return *fem_; }
   const std::vector<Cable>& cables() const { return cables_; }
   const std::vector<PointEffector>& effectors() const { return effectors_; }
+  const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   int actuatorCount() const;
   int effectorCount() const;
+  int maxContacts() const;        ///< 0 where there is nothing to touch
+  int maxContactEntries() const;  ///< nodes of all contacts together
   /// Index by name, -1 when unknown.
   int findActuator(const std::string& name) const;
   int findEffector(const std::string& name) const;
+  int findObstacle(const std::string& name) const;
   /// Suspicions that do not stop the robot: mesh quality, cable points outside the mesh with their distance, locking.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
@@ -44,6 +49,7 @@ class RobotModel {
   std::unique_ptr<FemModel> fem_;
   std::vector<Cable> cables_;
   std::vector<PointEffector> effectors_;
+  std::vector<Obstacle> obstacles_;
   std::vector<std::string> warnings_;
 };
 

@@ -6,7 +6,7 @@ namespace sinew {
 
 /// Seconds spent in each stage of a cycle, all Newton steps together.
 struct StageTimes {
-  double assembly = 0, factor = 0, compliance = 0, qp = 0, advance = 0, cycle = 0;
+  double assembly = 0, factor = 0, detection = 0, compliance = 0, qp = 0, advance = 0, cycle = 0;
 };
 
 /// Adds the time of its scope to one stage.

@@ -67,6 +67,8 @@ struct ControlDescription {
   double max_node_step = 0.01;    ///< m a node may move in one linearisation
   double reach_per_cycle = 0.02;  ///< m of weighted effector error chased in one cycle
   double smoothing = 0;           ///< 1, weight on the change of effort in a cycle, vanishes at rest
+  int max_pieces = 200;           ///< quadratic programmes that a cycle's search among contacts may solve
+  int max_nodes = 200;            ///< relaxations likewise, to prove its answer
 };
 
 /// Everything that is known of a robot before it moves: read from one YAML file, and one URDF for frames.

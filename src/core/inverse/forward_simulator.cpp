@@ -13,6 +13,7 @@ constexpr double kReusableResidual = 0.05;  // of the load; farther from rest an
 
 struct ForwardSimulator::Impl {
   CondensedRobot condensed;
+  ContactFinder finder;
   ForwardStep forward;
   VecX effort, displacement, effectors;
   StageTimes times;
@@ -21,6 +22,7 @@ struct ForwardSimulator::Impl {
 
   Impl(std::shared_ptr<const RobotModel> robot, int steps)
       : condensed(robot),
+        finder(*robot),
         forward(*robot),
         effort(VecX::Zero(robot->actuatorCount())),
         displacement(VecX::Zero(robot->actuatorCount())),
@@ -28,6 +30,8 @@ struct ForwardSimulator::Impl {
         steps_per_factor(steps) {
     measure();
   }
+
+  ContactFinder* contacts() { return finder.active() ? &finder : nullptr; }
 
   void measure() {
     const RobotModel& robot = condensed.robot();
@@ -55,8 +59,8 @@ ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) 
   Impl& impl = *impl_;
   const bool again = !rule.dynamic && impl.steps_since_factor > 0 && impl.steps_since_factor < impl.steps_per_factor &&
                      residualRelative() < kReusableResidual;
-  const ForwardStatus status = again ? impl.forward.stepAgain(actuation, impl.condensed, impl.effort, impl.times)
-                                     : impl.forward.step(actuation, rule, impl.condensed, impl.effort, impl.times);
+  const ForwardStatus status = again ? impl.forward.stepAgain(actuation, impl.contacts(), impl.condensed, impl.effort, impl.times)
+                                     : impl.forward.step(actuation, rule, impl.contacts(), impl.condensed, impl.effort, impl.times);
   impl.steps_since_factor = status != ForwardStatus::kSolved ? 0 : again ? impl.steps_since_factor + 1 : 1;
   impl_->measure();
   return status;
@@ -64,7 +68,7 @@ ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) 
 
 ForwardStatus ForwardSimulator::settle(const Actuation& actuation, double tolerance, int max_steps) {
   const ForwardStatus status =
-      impl_->forward.settle(actuation, tolerance, max_steps, impl_->condensed, impl_->effort, impl_->times);
+      impl_->forward.settle(actuation, tolerance, max_steps, impl_->contacts(), impl_->condensed, impl_->effort, impl_->times);
   impl_->steps_since_factor = 0;
   impl_->measure();
   return status;
@@ -75,6 +79,18 @@ void ForwardSimulator::reset() {
   impl_->condensed.reset();
   impl_->effort.setZero();
   impl_->measure();
+}
+
+void ForwardSimulator::setObstacles(const std::vector<ObstacleState>& obstacles) {
+  impl_->finder.setObstacles(obstacles);
+}
+
+const ContactList& ForwardSimulator::contacts() const {
+  return impl_->finder.list();
+}
+
+Eigen::VectorBlock<const VecX> ForwardSimulator::contactForce() const {
+  return impl_->forward.contactForce();
 }
 
 const std::vector<Vec3>& ForwardSimulator::nodes() const {

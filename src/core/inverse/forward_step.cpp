@@ -16,38 +16,52 @@ VecX minimalEfforts(const RobotModel& robot) {
 }  // namespace
 
 ForwardStep::ForwardStep(const RobotModel& robot)
-    : problem_(minimalEfforts(robot)),
+    : problem_(minimalEfforts(robot), robot.maxContacts()),
       displacement_(VecX::Zero(robot.actuatorCount())),
-      change_(VecX::Zero(robot.actuatorCount())) {}
+      change_(VecX::Zero(robot.actuatorCount())),
+      gap_(VecX::Zero(robot.maxContacts())) {}
 
 ForwardStatus ForwardStep::move(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times) {
-  displacement_ = robot.displacement() + robot.freeMotion().head(robot.actuators());
   QpStatus status;
   {
     const StageTimer timer(times.qp);
-    status = problem_.solve(robot.compliance(), displacement_, effort, actuation, change_);
+    displacement_ = robot.displacement() + robot.freeMotion().head(robot.actuators());
+    gap_.head(robot.contacts()) = robot.gap() + robot.freeMotion().tail(robot.contacts());
+    status = problem_.solve(robot.compliance(), robot.firstContact(), displacement_, gap_.head(robot.contacts()), effort,
+                            actuation);
   }
+  change_ = problem_.effortChange();
   if (status != QpStatus::kSolved || !change_.allFinite()) return ForwardStatus::kNotFinite;
-  const double scale = robot.advance(change_, robot.robot().description().control.max_node_step, times);
+  const double scale =
+      robot.advance(change_, problem_.contactForce(), robot.robot().description().control.max_node_step, times);
   effort += scale * change_;
   return ForwardStatus::kSolved;
 }
 
-ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule, CondensedRobot& robot, VecX& effort,
-                                StageTimes& times) {
+ForwardStatus ForwardStep::touchAndMove(const Actuation& actuation, ContactFinder* contacts, CondensedRobot& robot,
+                                        VecX& effort, StageTimes& times) {
+  if (contacts != nullptr) {
+    contacts->find(robot.body().positions(), times);
+    robot.addContacts(*contacts);
+  }
+  robot.condense(times);
+  return move(actuation, robot, effort, times);
+}
+
+ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule, ContactFinder* contacts,
+                                CondensedRobot& robot, VecX& effort, StageTimes& times) {
   robot.body().beginStep();
   robot.linearise(effort, rule, times);
-  const ForwardStatus status =
-      robot.condense(times) ? move(actuation, robot, effort, times) : ForwardStatus::kNotPositiveDefinite;
+  const ForwardStatus status = robot.factorise(times) ? touchAndMove(actuation, contacts, robot, effort, times)
+                                                      : ForwardStatus::kNotPositiveDefinite;
   robot.body().endStep(rule);
   return status;
 }
 
-ForwardStatus ForwardStep::stepAgain(const Actuation& actuation, CondensedRobot& robot, VecX& effort,
-                                     StageTimes& times) {
+ForwardStatus ForwardStep::stepAgain(const Actuation& actuation, ContactFinder* contacts, CondensedRobot& robot,
+                                     VecX& effort, StageTimes& times) {
   robot.relinearise(effort, times);
-  robot.recondense(times);
-  return move(actuation, robot, effort, times);
+  return touchAndMove(actuation, contacts, robot, effort, times);
 }
 
 bool ForwardStep::settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot,
@@ -67,8 +81,8 @@ bool ForwardStep::settled(const Actuation& actuation, double tolerance, const Co
   return true;
 }
 
-ForwardStatus ForwardStep::settle(const Actuation& actuation, double tolerance, int max_steps, CondensedRobot& robot,
-                                  VecX& effort, StageTimes& times) {
+ForwardStatus ForwardStep::settle(const Actuation& actuation, double tolerance, int max_steps, ContactFinder* contacts,
+                                  CondensedRobot& robot, VecX& effort, StageTimes& times) {
   const StepRule rule;
   robot.body().beginStep();
   for (int k = 0; k < max_steps; ++k) {
@@ -78,8 +92,8 @@ ForwardStatus ForwardStep::settle(const Actuation& actuation, double tolerance, 
       return ForwardStatus::kSolved;
     }
     if (!std::isfinite(robot.residual())) return ForwardStatus::kNotFinite;
-    if (!robot.condense(times)) return ForwardStatus::kNotPositiveDefinite;
-    const ForwardStatus status = move(actuation, robot, effort, times);
+    if (!robot.factorise(times)) return ForwardStatus::kNotPositiveDefinite;
+    const ForwardStatus status = touchAndMove(actuation, contacts, robot, effort, times);
     if (status != ForwardStatus::kSolved) return status;
   }
   return ForwardStatus::kNotConverged;

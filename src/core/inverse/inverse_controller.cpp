@@ -5,6 +5,9 @@
 
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
+#include "sinew/inverse/contact_finder.h"
+#include "sinew/inverse/contact_piece.h"
+#include "sinew/inverse/contact_search.h"
 #include "sinew/inverse/forward_step.h"
 #include "sinew/inverse/inverse_problem.h"
 #include "sinew/inverse/step_damping.h"
@@ -40,6 +43,10 @@ HoldReason reasonOf(ForwardStatus status) {
   }
 }
 
+ContactFinder* activeOrNull(ContactFinder& finder) {
+  return finder.active() ? &finder : nullptr;
+}
+
 }  // namespace
 
 // The body of a dynamic robot: it follows the commanded displacements with inertia and damping, apart from the plan.
@@ -47,19 +54,20 @@ HoldReason reasonOf(ForwardStatus status) {
 // over the actuators' redundancy, and lets vibrations into the commands.
 struct MovingBody {
   CondensedRobot condensed;
+  ContactFinder finder;
   ForwardStep forward;
   Actuation winches;
   VecX effort;
 
   explicit MovingBody(const std::shared_ptr<const RobotModel>& robot)
-      : condensed(robot), forward(*robot), effort(VecX::Zero(robot->actuatorCount())) {
+      : condensed(robot), finder(*robot), forward(*robot), effort(VecX::Zero(robot->actuatorCount())) {
     winches.mode.assign(static_cast<std::size_t>(robot->actuatorCount()), Actuation::Mode::kDisplacement);
     winches.value = VecX::Zero(robot->actuatorCount());
   }
 
   ForwardStatus follow(const VecX& displacement, double period, StageTimes& times) {
     winches.value = displacement;
-    const ForwardStatus status = forward.step(winches, condensed.makeRule(period), condensed, effort, times);
+    const ForwardStatus status = forward.step(winches, condensed.makeRule(period), activeOrNull(finder), condensed, effort, times);
     if (status != ForwardStatus::kSolved) condensed.body().abandonStep();
     return status;
   }
@@ -74,7 +82,12 @@ struct InverseController::Impl {
   std::shared_ptr<const RobotModel> robot;
   CondensedRobot condensed;
   std::unique_ptr<MovingBody> moving;  // of a dynamic robot
+  ContactFinder finder;
   ForwardStep forward;
+  EffectorGoal goal;
+  ContactSearch search;
+  ContactPiece piece;
+  std::vector<char> none_pressing;
   InverseProblem problem;
   InverseProblemData data;
   InverseProblemResult result;
@@ -84,6 +97,8 @@ struct InverseController::Impl {
   VecX command;              // m, of the last cycle
   VecX cycle_start;          // m, what the rates of this cycle count from
   VecX linear_displacement;  // m, actuators as the linear problem moves them
+  VecX contact_force;        // N, of this cycle's contacts
+  VecX contact_gap;          // m
   VecX row_motion;           // m, every row
   VecX last_valid_effort;
   StepDamping damping;
@@ -92,16 +107,23 @@ struct InverseController::Impl {
   explicit Impl(std::shared_ptr<const RobotModel> model)
       : robot(model),
         condensed(model),
+        finder(*model),
         forward(*model),
-        problem(model->actuatorCount(), maxEffectorRows(*model)),
-        data(model->actuatorCount(), maxEffectorRows(*model)),
+        goal(maxEffectorRows(*model)),
+        search(*model, maxEffectorRows(*model)),
+        piece(model->actuatorCount(), maxEffectorRows(*model), model->maxContacts()),
+        none_pressing(static_cast<std::size_t>(model->maxContacts()), 0),
+        problem(model->actuatorCount(), maxEffectorRows(*model), model->maxContacts()),
+        data(model->actuatorCount(), maxEffectorRows(*model), model->maxContacts()),
         result(model->actuatorCount()),
         limits(model->actuatorCount()),
         effort(VecX::Zero(model->actuatorCount())),
         command(VecX::Zero(model->actuatorCount())),
         cycle_start(VecX::Zero(model->actuatorCount())),
         linear_displacement(VecX::Zero(model->actuatorCount())),
-        row_motion(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model))),
+        contact_force(VecX::Zero(model->maxContacts())),
+        contact_gap(VecX::Zero(model->maxContacts())),
+        row_motion(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model) + model->maxContacts())),
         last_valid_effort(VecX::Zero(model->actuatorCount())) {
     held.mode.assign(static_cast<std::size_t>(actuators()), Actuation::Mode::kDisplacement);
     held.value = VecX::Zero(actuators());
@@ -136,64 +158,129 @@ struct InverseController::Impl {
     }
   }
 
-  // The targeted effectors' rows, with the error they have when the efforts stay as they are. A goal farther than the
-  // reach of one cycle is chased part of the way: one factor for all rows keeps the stationary points.
-  double gatherProblem(const CycleInput& input, CycleOutput& output) {
-    const int n = actuators();
-    int row = n;
-    data.effector_rows = 0;
+  // The targeted effectors' rows and their present error. A goal farther than the reach of one cycle is chased part of
+  // the way: one factor for all rows keeps the stationary points. What the body would move by itself is added whole.
+  double gatherGoal(const CycleInput& input, CycleOutput& output) {
+    int row = actuators(), used = 0;
+    goal.rows.clear();
     for (int e = 0; e < robot->effectorCount(); ++e) {
       const PointEffector& effector = robot->effectors()[e];
       const int count = effector.rowCount();
       if (input.targeted[e]) {
-        double* error = data.effector_error.data() + data.effector_rows;
-        effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e), error);
-        data.effector_error.segment(data.effector_rows, count) += condensed.freeMotion().segment(row, count);
-        data.W_ea.middleRows(data.effector_rows, count) = condensed.compliance().block(row, 0, count, n);
-        data.effector_rows += count;
+        effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e), goal.error.data() + used);
+        for (int k = 0; k < count; ++k) goal.rows.push_back(row + k);
+        used += count;
       }
       row += count;
     }
     const ControlDescription& control = robot->description().control;
-    const double distance = data.effector_error.head(data.effector_rows).norm();
+    const double distance = goal.error.head(used).norm();
     output.goal_scale = distance > control.reach_per_cycle ? control.reach_per_cycle / distance : 1.0;
-    data.effector_error.head(data.effector_rows) *= output.goal_scale;
-    data.damping = control.smoothing + damping.value() + kFarGoalDamping * (1 - output.goal_scale);
+    for (int k = 0; k < used; ++k) goal.error[k] = output.goal_scale * goal.error[k] + condensed.freeMotion()[goal.rows[k]];
     data.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * control.reach_per_cycle : 0;
-    data.W_aa = condensed.compliance().topLeftCorner(n, n);
-    data.displacement = condensed.displacement() + condensed.freeMotion().head(n);
-    data.effort = effort;
     return distance;
+  }
+
+  // How far the rows would move with efforts as they are: what the last step left.
+  double calcDrift() {
+    const int n = actuators(), effectors = piece.firstContact() - n;
+    return std::hypot((piece.value().head(n) - condensed.displacement()).norm(),
+                      piece.value().segment(n, effectors).norm());
+  }
+
+  double calcDamping(double goal_scale) const {
+    return robot->description().control.smoothing + damping.value() + kFarGoalDamping * (1 - goal_scale);
+  }
+
+  // The inverse problem within the present piece, contact forces eliminated.
+  void gatherProblem(double goal_scale) {
+    const int n = actuators();
+    data.damping = calcDamping(goal_scale);
+    data.effector_rows = static_cast<int>(goal.rows.size());
+    for (int k = 0; k < data.effector_rows; ++k) {
+      const int row = goal.rows[k];
+      data.W_ea.row(k) = piece.W().row(row);
+      data.effector_error[k] = goal.error[k] + (piece.value()[row] - condensed.freeMotion()[row]);
+    }
+    data.unit_compliance = condensed.compliance().diagonal().head(n);
+    data.W_aa = piece.W().topRows(n);
+    data.displacement = piece.value().head(n);
+    data.effort = effort;
+    data.contacts = piece.contacts();
+    data.W_ca.topRows(data.contacts) = piece.W().bottomRows(data.contacts);
+    data.contact.head(data.contacts) = piece.value().tail(data.contacts);
+    data.contact_slack.head(data.contacts).setZero();
+  }
+
+  // The search has found a point of the piece; rounding must not make it look impossible.
+  void allowSearched() {
+    const VecX& found = search.solution().x;
+    for (int i = 0; i < data.contacts; ++i) {
+      data.contact_slack[i] = std::max(0.0, -(data.contact[i] + data.W_ca.row(i).dot(found.head(actuators()))));
+    }
+  }
+
+  bool searchPiece(CycleOutput& output) {
+    const QpccStatus status = search.solve(condensed, finder.list(), goal, limits, effort, calcDamping(output.goal_scale));
+    const QpccSolution& found = search.solution();
+    output.contacts.proved_global = found.proved_global;
+    output.contacts.declined_better = found.declined_better;
+    output.contacts.pieces += found.pieces;
+    output.contacts.nodes += found.nodes;
+    return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) &&
+           piece.reduce(condensed, found.active);
   }
 
   HoldReason planEfforts(const CycleInput& input, CycleOutput& output) {
     const StageTimer timer(output.times.qp);
-    if (!std::isfinite(gatherProblem(input, output))) return HoldReason::kNotFinite;
+    if (!std::isfinite(gatherGoal(input, output))) return HoldReason::kNotFinite;
+    const int contacts = condensed.contacts();
+    if (contacts == 0) {
+      piece.reduce(condensed, none_pressing);
+    } else if (!searchPiece(output)) {
+      return HoldReason::kQpFailed;
+    }
+    damping.update(calcDrift());
+    gatherProblem(output.goal_scale);
+    if (contacts > 0) allowSearched();
     output.qp_status = problem.solve(data, limits, result);
     output.qp_iterations += result.iterations;
-    row_motion = condensed.freeMotion();
-    row_motion.noalias() += condensed.compliance().leftCols(actuators()) * result.effort_change;
-    return output.qp_status == QpStatus::kSolved ? HoldReason::kNone : HoldReason::kQpFailed;
+    if (output.qp_status != QpStatus::kSolved) {
+      if (contacts == 0 || search.solution().status != QpccStatus::kSolved) return HoldReason::kQpFailed;
+      result.effort_change = search.solution().x.head(actuators());
+      result.effort_violation.setZero();
+    }
+    piece.calcContacts(result.effort_change, contact_force, contact_gap);
+    row_motion.head(condensed.rows()) = condensed.freeMotion();
+    row_motion.head(condensed.rows()).noalias() += condensed.compliance().leftCols(actuators()) * result.effort_change;
+    row_motion.head(condensed.rows()).noalias() +=
+        condensed.compliance().rightCols(contacts) * contact_force.head(contacts);
+    return HoldReason::kNone;
   }
 
-  HoldReason condense(StageTimes& times) {
+  HoldReason factorise(StageTimes& times) {
     condensed.linearise(effort, StepRule(), times);
     if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
-    return condensed.condense(times) ? HoldReason::kNone : HoldReason::kNotPositiveDefinite;
+    return condensed.factorise(times) ? HoldReason::kNone : HoldReason::kNotPositiveDefinite;
   }
 
   HoldReason newtonStep(const CycleInput& input, CycleOutput& output) {
-    HoldReason reason = prepared ? HoldReason::kNone : condense(output.times);
+    HoldReason reason = prepared ? HoldReason::kNone : factorise(output.times);
     prepared = false;
     if (reason != HoldReason::kNone) return reason;
-    damping.update(condensed.freeMotion().norm());
+    if (finder.active()) {
+      finder.find(condensed.body().positions(), output.times);
+      condensed.addContacts(finder);
+    }
+    condensed.condense(output.times);
     reason = planEfforts(input, output);
     if (reason != HoldReason::kNone) return reason;
 
     const double scale =
-        condensed.advance(result.effort_change, robot->description().control.max_node_step, output.times);
+        condensed.advance(result.effort_change, contact_force.head(condensed.contacts()),
+                          robot->description().control.max_node_step, output.times);
     effort += scale * result.effort_change;
-    damping.recordStep(scale * row_motion.norm());
+    damping.recordStep(scale * row_motion.head(condensed.firstContact()).norm());
     linear_displacement = condensed.displacement() + scale * row_motion.head(actuators());
     return linear_displacement.allFinite() && effort.allFinite() ? HoldReason::kNone : HoldReason::kNotFinite;
   }
@@ -213,6 +300,9 @@ struct InverseController::Impl {
     output.residual_relative = output.residual / std::max(condensed.loadNorm(), 1e-300);
     output.displacement = command;
     output.effort = effort;
+    output.contacts.count = finder.list().size();
+    output.contacts.force.head(output.contacts.count) = contact_force.head(output.contacts.count);
+    output.contacts.gap.head(output.contacts.count) = contact_gap.head(output.contacts.count);
   }
 
   void reportLimits(CycleOutput& output) {
@@ -270,6 +360,11 @@ struct InverseController::Impl {
     return status;
   }
 
+  void see(const std::vector<ObstacleState>& obstacles) {
+    finder.setObstacles(obstacles);
+    if (moving) moving->finder.setObstacles(obstacles);
+  }
+
   CycleStatus track(const CycleInput& input, CycleOutput& output) {
     if (input.applied.size() == actuators()) command = input.applied;
     cycle_start = command;
@@ -300,7 +395,8 @@ struct InverseController::Impl {
     last_valid_effort = effort;
     cycle_start = displacement;
     updateLimits(input.period);
-    const ForwardStatus status = forward.step(held, StepRule(), condensed, effort, output.times);
+    const ForwardStatus status = forward.step(held, StepRule(), activeOrNull(finder), condensed, effort, output.times);
+    search.forget();
     output.qp_iterations = forward.qpIterations();
     output.newton_steps = 1;
     if (status != ForwardStatus::kSolved) {
@@ -344,17 +440,19 @@ CycleOutput InverseController::makeOutput() const {
   output.displacement = output.effort = VecX::Zero(actuators);
   output.effectors = VecX::Zero(3 * robot().effectorCount());
   output.limits.reserve(4 * static_cast<std::size_t>(actuators));
+  output.contacts.force = output.contacts.gap = VecX::Zero(robot().maxContacts());
   return output;
 }
 
 void InverseController::prepare(CycleOutput& output) {
   const StageTimer timer(output.times.cycle);
-  impl_->prepared = impl_->condense(output.times) == HoldReason::kNone;
+  impl_->prepared = impl_->factorise(output.times) == HoldReason::kNone;
 }
 
 CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output) {
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
+  output.contacts.pieces = output.contacts.nodes = 0;
   output.goal_scale = 1;
   const StageTimer timer(output.times.cycle);
   if (!impl_->validInput(input)) {
@@ -364,6 +462,7 @@ CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output
     output.effort = impl_->effort;
     return output.status;
   }
+  impl_->see(input.obstacles);
   if (!impl_->anyTarget(input)) {
     return impl_->follow(input, input.applied.size() > 0 ? input.applied : impl_->command, output);
   }
@@ -373,6 +472,7 @@ CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output
 CycleStatus InverseController::follow(const VecX& displacement, double period, CycleOutput& output) {
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
+  output.contacts.pieces = output.contacts.nodes = 0;
   output.goal_scale = 1;
   const StageTimer timer(output.times.cycle);
   CycleInput free = makeInput();
@@ -394,7 +494,8 @@ double InverseController::resynchronise(const VecX& measured) {
   for (int k = 1; k <= steps; ++k) {
     impl.held.value = start + (measured - start) * k / steps;
     const double tolerance = k < steps ? 1e-3 : kSyncTolerance;
-    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, impl.condensed, impl.effort, times) !=
+    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, activeOrNull(impl.finder), impl.condensed, impl.effort,
+                            times) !=
         ForwardStatus::kSolved) {
       return failed;
     }
@@ -403,6 +504,7 @@ double InverseController::resynchronise(const VecX& measured) {
   if (impl.moving) impl.moving->place(impl.condensed.body().positions(), impl.effort);
   impl.damping.reset();
   impl.problem.forget();
+  impl.search.forget();
   return impl.distanceTo(measured);
 }
 
@@ -415,6 +517,11 @@ void InverseController::reset() {
   impl_->last_valid_effort.setZero();
   impl_->damping.reset();
   impl_->problem.forget();
+  impl_->search.forget();
+}
+
+const ContactList& InverseController::contacts() const {
+  return impl_->finder.list();
 }
 
 const std::vector<Vec3>& InverseController::nodes() const {

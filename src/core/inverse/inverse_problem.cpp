@@ -18,21 +18,27 @@ constexpr double kRelaxationMargin = 1e-9;
 CycleLimits::CycleLimits(int actuators)
     : displacement_min(actuators), displacement_max(actuators), effort_min(actuators), effort_max(actuators) {}
 
-InverseProblemData::InverseProblemData(int actuators, int max_effector_rows)
-    : W_aa(actuators, actuators),
+InverseProblemData::InverseProblemData(int actuators, int max_effector_rows, int max_contacts)
+    : unit_compliance(actuators),
+      W_aa(actuators, actuators),
       W_ea(max_effector_rows, actuators),
       effector_error(max_effector_rows),
       displacement(actuators),
-      effort(actuators) {}
+      effort(actuators),
+      W_ca(max_contacts, actuators),
+      contact(max_contacts),
+      contact_slack(max_contacts) {}
 
 InverseProblemResult::InverseProblemResult(int actuators)
     : effort_change(VecX::Zero(actuators)), effort_violation(VecX::Zero(actuators)) {}
 
-InverseProblem::InverseProblem(int actuators, int max_effector_rows)
+InverseProblem::InverseProblem(int actuators, int max_effector_rows, int max_contacts)
     : actuators_(actuators),
       scale_(actuators),
       W_(actuators, actuators),
       E_(max_effector_rows, actuators),
+      C_(max_contacts, actuators),
+      contact_min_(max_contacts),
       error_(max_effector_rows),
       energy_(actuators),
       z_min_(actuators),
@@ -42,15 +48,15 @@ InverseProblem::InverseProblem(int actuators, int max_effector_rows)
       z_(actuators),
       relaxation_(actuators),
       row_space_(max_effector_rows, actuators),
-      effector_problem_(actuators, actuators),
-      elastic_problem_(2 * actuators, 3 * actuators),
-      energy_problem_(actuators, 2 * actuators),
-      effector_solution_(actuators, actuators),
-      elastic_solution_(2 * actuators, 3 * actuators),
-      energy_solution_(actuators, 2 * actuators),
-      effector_qp_(actuators, actuators),
-      elastic_qp_(2 * actuators, 3 * actuators),
-      energy_qp_(actuators, 2 * actuators) {}
+      effector_problem_(actuators, actuators + max_contacts),
+      elastic_problem_(2 * actuators, 3 * actuators + max_contacts),
+      energy_problem_(actuators, 2 * actuators + max_contacts),
+      effector_solution_(actuators, actuators + max_contacts),
+      elastic_solution_(2 * actuators, 3 * actuators + max_contacts),
+      energy_solution_(actuators, 2 * actuators + max_contacts),
+      effector_qp_(actuators, actuators + max_contacts),
+      elastic_qp_(2 * actuators, 3 * actuators + max_contacts),
+      energy_qp_(actuators, 2 * actuators + max_contacts) {}
 
 void InverseProblem::forget() {
   effector_qp_.forget();
@@ -60,7 +66,7 @@ void InverseProblem::forget() {
 
 void InverseProblem::scale(const InverseProblemData& data, const CycleLimits& limits) {
   const int n = actuators_;
-  scale_ = data.W_aa.diagonal().cwiseSqrt();
+  scale_ = data.unit_compliance.cwiseSqrt();
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) W_(i, j) = data.W_aa(i, j) / (scale_[i] * scale_[j]);
     for (int i = 0; i < data.effector_rows; ++i) E_(i, j) = data.W_ea(i, j) / scale_[j];
@@ -77,12 +83,32 @@ void InverseProblem::scale(const InverseProblemData& data, const CycleLimits& li
   z_ = data.effort.cwiseProduct(scale_);
   energy_.noalias() = W_ * z_;
   relaxation_.setZero();
+
+  contacts_ = data.contacts;
+  for (int i = 0; i < contacts_; ++i) {
+    C_.row(i) = data.W_ca.row(i).cwiseQuotient(scale_.transpose());
+    const double length = C_.row(i).norm();
+    const double factor = length > 0 ? 1 / length : 1.0;
+    C_.row(i) *= factor;
+    contact_min_[i] = -(data.contact[i] + data.contact_slack[i]) * factor;
+  }
+}
+
+void InverseProblem::fillRows(int variables, QpProblem& qp) const {
+  const int n = actuators_;
+  qp.C.topLeftCorner(n + contacts_, variables).rightCols(variables - n).setZero();
+  qp.C.topLeftCorner(n, n) = W_;
+  qp.row_lower.head(n) = row_min_;
+  qp.row_upper.head(n) = row_max_;
+  qp.C.block(n, 0, contacts_, n) = C_.topRows(contacts_);
+  qp.row_lower.segment(n, contacts_) = contact_min_.head(contacts_);
+  qp.row_upper.segment(n, contacts_).setConstant(std::numeric_limits<double>::infinity());
 }
 
 QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseProblemResult& result) {
   const int n = actuators_;
   QpProblem& qp = effector_problem_;
-  qp.resize(n, n);
+  qp.resize(n, n + contacts_);
   const auto E = E_.topRows(data.effector_rows);
   qp.G.topLeftCorner(n, n).noalias() = E.transpose() * E;
   const double largest = std::max(qp.G.topLeftCorner(n, n).diagonal().maxCoeff(), 1e-300);
@@ -90,9 +116,7 @@ QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseP
   qp.g.head(n).noalias() = E.transpose() * error_.head(data.effector_rows);
   qp.lower.head(n) = z_min_ - relaxation_;
   qp.upper.head(n) = z_max_ + relaxation_;
-  qp.C.topLeftCorner(n, n) = W_;
-  qp.row_lower.head(n) = row_min_;
-  qp.row_upper.head(n) = row_max_;
+  fillRows(n, qp);
   const QpStatus status = effector_qp_.solve(qp, effector_solution_);
   result.iterations += effector_solution_.iterations;
   if (status != QpStatus::kSolved) return status;
@@ -107,14 +131,16 @@ bool InverseProblem::negligible(const InverseProblemData& data) const {
   const auto error = error_.head(data.effector_rows);
   if (!(unit_ * (error.norm() - (error + E * z_).norm()) < data.negligible_gain)) return false;
   const auto within = [](const VecX& min, const VecX& max) { return min.maxCoeff() <= 0 && max.minCoeff() >= 0; };
-  return within(z_min_ - relaxation_, z_max_ + relaxation_) && within(row_min_, row_max_);
+  return within(z_min_ - relaxation_, z_max_ + relaxation_) && within(row_min_, row_max_) &&
+         (contacts_ == 0 || contact_min_.head(contacts_).maxCoeff() <= 0);
 }
 
 // Unknowns (z, t): least 1/2 |t|^2 with z_min - t <= z <= z_max + t and the displacement rows kept.
 QpStatus InverseProblem::relaxEfforts(InverseProblemResult& result) {
   const int n = actuators_;
   QpProblem& qp = elastic_problem_;
-  qp.resize(2 * n, 3 * n);
+  const int rows = n + contacts_;
+  qp.resize(2 * n, rows + 2 * n);
   qp.G.topLeftCorner(2 * n, 2 * n).setZero();
   qp.G.topLeftCorner(n, n).diagonal().setConstant(kElasticRegularisation);
   qp.G.block(n, n, n, n).diagonal().setOnes();
@@ -122,18 +148,16 @@ QpStatus InverseProblem::relaxEfforts(InverseProblemResult& result) {
   qp.lower.head(n).setConstant(-std::numeric_limits<double>::infinity());
   qp.lower.segment(n, n).setZero();
   qp.upper.head(2 * n).setConstant(std::numeric_limits<double>::infinity());
-  qp.C.topLeftCorner(3 * n, 2 * n).setZero();
-  qp.C.topLeftCorner(n, n) = W_;
-  qp.row_lower.head(n) = row_min_;
-  qp.row_upper.head(n) = row_max_;
-  qp.C.block(n, 0, n, n).diagonal().setOnes();
-  qp.C.block(n, n, n, n).diagonal().setOnes();
-  qp.row_lower.segment(n, n) = z_min_;
-  qp.row_upper.segment(n, n).setConstant(std::numeric_limits<double>::infinity());
-  qp.C.block(2 * n, 0, n, n).diagonal().setOnes();
-  qp.C.block(2 * n, n, n, n).diagonal().setConstant(-1);
-  qp.row_lower.segment(2 * n, n).setConstant(-std::numeric_limits<double>::infinity());
-  qp.row_upper.segment(2 * n, n) = z_max_;
+  fillRows(2 * n, qp);
+  qp.C.block(rows, 0, 2 * n, 2 * n).setZero();
+  qp.C.block(rows, 0, n, n).diagonal().setOnes();
+  qp.C.block(rows, n, n, n).diagonal().setOnes();
+  qp.row_lower.segment(rows, n) = z_min_;
+  qp.row_upper.segment(rows, n).setConstant(std::numeric_limits<double>::infinity());
+  qp.C.block(rows + n, 0, n, n).diagonal().setOnes();
+  qp.C.block(rows + n, n, n, n).diagonal().setConstant(-1);
+  qp.row_lower.segment(rows + n, n).setConstant(-std::numeric_limits<double>::infinity());
+  qp.row_upper.segment(rows + n, n) = z_max_;
   const QpStatus status = elastic_qp_.solve(qp, elastic_solution_);
   result.iterations += elastic_solution_.iterations;
   if (status != QpStatus::kSolved) return status;
@@ -151,19 +175,18 @@ void InverseProblem::solveEnergy(const InverseProblemData& data, InverseProblemR
   const int rank = row_space_.rank();
   if (rank == n) return;
   const auto basis = row_space_.basis().topRows(rank);
+  const int rows = n + contacts_;
   QpProblem& qp = energy_problem_;
-  qp.resize(n, n + rank);
+  qp.resize(n, rows + rank);
   qp.G.topLeftCorner(n, n) = W_;
   qp.G.topLeftCorner(n, n).diagonal().array() += data.damping;
   qp.g.head(n) = energy_;
   qp.lower.head(n) = z_min_ - relaxation_;
   qp.upper.head(n) = z_max_ + relaxation_;
-  qp.C.topLeftCorner(n, n) = W_;
-  qp.row_lower.head(n) = row_min_;
-  qp.row_upper.head(n) = row_max_;
-  qp.C.block(n, 0, rank, n) = basis;
-  qp.row_lower.segment(n, rank).noalias() = basis * z_;
-  qp.row_upper.segment(n, rank) = qp.row_lower.segment(n, rank);
+  fillRows(n, qp);
+  qp.C.block(rows, 0, rank, n) = basis;
+  qp.row_lower.segment(rows, rank).noalias() = basis * z_;
+  qp.row_upper.segment(rows, rank) = qp.row_lower.segment(rows, rank);
   const QpStatus status = energy_qp_.solve(qp, energy_solution_);
   result.iterations += energy_solution_.iterations;
   if (status == QpStatus::kSolved) z_ = energy_solution_.x.head(n);
@@ -173,7 +196,7 @@ QpStatus InverseProblem::solve(const InverseProblemData& data, const CycleLimits
                                InverseProblemResult& result) {
   result.iterations = 0;
   result.effort_violation.setZero();
-  if (!(data.W_aa.diagonal().minCoeff() > 0)) return result.status = QpStatus::kNotFinite;
+  if (!(data.unit_compliance.minCoeff() > 0)) return result.status = QpStatus::kNotFinite;
   scale(data, limits);
   result.status = solveEffectors(data, result);
   if (result.status == QpStatus::kInfeasible && relaxEfforts(result) == QpStatus::kSolved) {

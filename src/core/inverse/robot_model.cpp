@@ -203,6 +203,7 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
     requireMovable(description, *fem_, key, {point});
     effectors_.emplace_back(description.effectors[e], point);
   }
+  for (const ObstacleDescription& obstacle : description.obstacles) obstacles_.push_back(makeObstacle(obstacle));
 }
 
 RobotModel::~RobotModel() = default;
@@ -215,6 +216,16 @@ int RobotModel::effectorCount() const {
   return static_cast<int>(effectors_.size());
 }
 
+int RobotModel::maxContacts() const {
+  const bool touches = !obstacles_.empty() || description_.contacts.self;
+  return touches ? description_.contacts.max_contacts : 0;
+}
+
+int RobotModel::maxContactEntries() const {
+  constexpr int kEntries = 6;  // three nodes on either side
+  return kEntries * maxContacts();
+}
+
 int RobotModel::findActuator(const std::string& name) const {
   for (int i = 0; i < actuatorCount(); ++i) {
     if (cables_[i].description().name == name) return i;
@@ -225,6 +236,13 @@ int RobotModel::findActuator(const std::string& name) const {
 int RobotModel::findEffector(const std::string& name) const {
   for (int i = 0; i < effectorCount(); ++i) {
     if (effectors_[i].description().name == name) return i;
+  }
+  return -1;
+}
+
+int RobotModel::findObstacle(const std::string& name) const {
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    if (obstacles_[i].name == name) return static_cast<int>(i);
   }
   return -1;
 }

@@ -159,6 +159,8 @@ ControlDescription readControl(const YamlReader& yaml) {
   control.max_node_step = map.positiveOr("max_node_step", control.max_node_step);
   control.reach_per_cycle = map.positiveOr("reach_per_cycle", control.reach_per_cycle);
   control.smoothing = map.numberOr("smoothing", control.smoothing, 0);
+  control.max_pieces = map.integerOr("max_pieces", control.max_pieces, 1, 1000000);
+  control.max_nodes = map.integerOr("max_nodes", control.max_nodes, 0, 1000000);
   map.refuseUnknownKeys();
   return control;
 }

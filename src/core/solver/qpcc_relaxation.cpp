@@ -1,0 +1,196 @@
+#include "sinew/solver/qpcc_relaxation.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sinew/solver/complementarity_tableau.h"
+
+namespace sinew {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRidges[] = {1e-10, 1e-8, 1e-6};  // curvature of x that the objective may lack, the least that does
+constexpr double kLeastRho = 1e-8;
+constexpr double kEnoughRho = 1e-6;  // for a smaller ridge to be kept
+constexpr double kMostRho = 1e2;
+constexpr double kCoarse = 8;  // factor between the first trials of rho
+constexpr int kBisections = 5;
+constexpr double kSafePivot = 1e-6;  // of the convexity test, against the diagonal
+
+bool isDue(QpInterruption* interruption) {
+  return interruption && interruption->due();
+}
+
+/// Factorises the upper triangle in place; returns whether all pivots are more than a share of their diagonal.
+bool factorise(Eigen::Ref<MatX> A, double least_share, QpInterruption* interruption = nullptr) {
+  for (int j = 0; j < A.cols(); ++j) {
+    if (isDue(interruption)) return false;
+    auto u = A.col(j).head(j);
+    for (int i = 0; i < j; ++i) u(i) = (u(i) - A.col(i).head(i).dot(u.head(i))) / A(i, i);
+    const double pivot = A(j, j) - u.squaredNorm();
+    if (!(pivot > least_share * A(j, j)) || !(pivot > 0)) return false;
+    A(j, j) = std::sqrt(pivot);
+  }
+  return true;
+}
+
+}  // namespace
+
+QpccRelaxation::QpccRelaxation(const QpccSizes& capacity)
+    : map_(capacity.contacts + capacity.rows, capacity.contacts + capacity.unknowns + 1),
+      G_(capacity.contacts + capacity.unknowns, capacity.contacts + capacity.unknowns),
+      g_(capacity.contacts + capacity.unknowns),
+      factor_(capacity.contacts, capacity.contacts),
+      spread_(capacity.contacts, capacity.unknowns + capacity.effectors),
+      gram_(spread_.cols(), spread_.cols()),
+      K_gram_(capacity.unknowns, capacity.unknowns),
+      F_K_(capacity.effectors, capacity.unknowns),
+      schur_(capacity.unknowns, capacity.unknowns),
+      small_(capacity.effectors, capacity.effectors),
+      limits_(capacity.contacts + capacity.rows + capacity.contacts + capacity.unknowns) {}
+
+bool QpccRelaxation::prepare(const ScaledQpcc& problem, QpInterruption* interruption) {
+  problem_ = &problem;
+  const int m = problem.limitedRows();
+  map_.topLeftCorner(m, problem.tableColumns()) = problem.table.topLeftCorner(m, problem.tableColumns());
+  map_.diagonal().head(problem.size.contacts).array() += ComplementarityTableau::kLift;
+  if (!updateGrams(interruption)) return false;
+  rho_ = 0;
+  for (const double ridge : kRidges) {
+    if (isDue(interruption)) return false;
+    ridge_ = ridge;
+    rho_ = findLargestRho();
+    if (rho_ > kEnoughRho) break;
+  }
+  if (rho_ == 0) return false;
+  updateLimits();
+  return updateObjective(interruption);
+}
+
+QpRows QpccRelaxation::rows() const {
+  return makeQpRows(map_.leftCols(problem_->tableColumns()), problem_->limitedRows());
+}
+
+bool QpccRelaxation::start(DualQp& qp, QpInterruption* interruption) const {
+  const int n = problem_->size.contacts + problem_->size.unknowns;
+  return qp.start(G_.topLeftCorner(n, n), g_.head(n), interruption);
+}
+
+bool QpccRelaxation::updateGrams(QpInterruption* interruption) {
+  const ScaledQpcc& p = *problem_;
+  const int nc = p.size.contacts;
+  const int na = p.size.unknowns;
+  const int ne = p.size.effectors;
+  auto L = factor_.topLeftCorner(nc, nc);
+  L = map_.topLeftCorner(nc, nc);
+  if (!factorise(L, 0, interruption)) return false;
+  auto X = spread_.topLeftCorner(nc, na + ne);
+  X.leftCols(na) = map_.block(0, nc, nc, na);
+  X.rightCols(ne) = p.table.block(p.limitedRows(), 0, ne, nc).transpose();
+  for (int k = 0; k < X.cols(); ++k) {
+    if (isDue(interruption)) return false;
+    for (int i = 0; i < nc; ++i) X(i, k) = (X(i, k) - L.col(i).head(i).dot(X.col(k).head(i))) / L(i, i);
+  }
+  for (int k = 0; k < X.cols(); ++k)
+    for (int i = 0; i <= k; ++i) gram_(i, k) = gram_(k, i) = X.col(i).dot(X.col(k));
+  return true;
+}
+
+/// In y = L^T z the Hessian is [2 rho I + F F^T, K; K^T, E_a^T E_a + Q] with B = L^-1 C_a, F = L^-1 E_c^T and
+/// K = rho B + F E_a. It is positive definite where its Schur complement in x is; the inverse of the first block is
+/// (I - F (2 rho I + F^T F)^-1 F^T) / (2 rho), so that products of B and F suffice.
+bool QpccRelaxation::isConvex(double rho) {
+  const ScaledQpcc& p = *problem_;
+  const int na = p.size.unknowns;
+  const int ne = p.size.effectors;
+  const auto BB = gram_.topLeftCorner(na, na);
+  const auto FB = gram_.block(na, 0, ne, na);
+  const auto FF = gram_.block(na, na, ne, ne);
+  const auto E_a = p.table.block(p.limitedRows(), p.size.contacts, ne, na);
+  auto FK = F_K_.topLeftCorner(ne, na);
+  auto KK = K_gram_.topLeftCorner(na, na);
+  auto S = schur_.topLeftCorner(na, na);
+  auto U = small_.topLeftCorner(ne, ne);
+
+  FK = rho * FB;
+  FK += FF.lazyProduct(E_a);
+  KK = (rho * rho) * BB;
+  KK += rho * FB.transpose().lazyProduct(E_a);
+  KK += E_a.transpose().lazyProduct(FK);
+  U = FF;
+  U.diagonal().array() += 2 * rho;
+  if (!factorise(U, 0)) return false;
+  U.triangularView<Eigen::Upper>().transpose().solveInPlace(FK);
+  KK -= FK.transpose().lazyProduct(FK);
+
+  S = p.Q.topLeftCorner(na, na);
+  S += E_a.transpose().lazyProduct(E_a);
+  S.diagonal().array() += ridge_;
+  // The diagonal to compare pivots with is that before the subtraction.
+  const double largest = S.diagonal().maxCoeff();
+  S -= KK / (2 * rho);
+  return S.diagonal().minCoeff() > 1e-13 * largest && factorise(S, kSafePivot);
+}
+
+/// Zero if none will do. The set of those that do is an interval from zero, but for rounding where rho is small.
+double QpccRelaxation::findLargestRho() {
+  double low = kMostRho;
+  while (!isConvex(low)) {
+    low /= kCoarse;
+    if (low < kLeastRho) return 0;
+  }
+  double high = low * kCoarse;
+  for (int k = 0; k < kBisections; ++k) {
+    const double middle = std::sqrt(low * high);
+    (isConvex(middle) ? low : high) = middle;
+  }
+  return 0.99 * low;
+}
+
+bool QpccRelaxation::updateObjective(QpInterruption* interruption) {
+  const ScaledQpcc& p = *problem_;
+  const int nc = p.size.contacts;
+  const int na = p.size.unknowns;
+  const int n = nc + na;
+  const auto E = p.table.block(p.limitedRows(), 0, p.size.effectors, n + 1);
+  const auto C = map_.topLeftCorner(nc, n + 1);
+  for (int j = 0; j < n; ++j) {
+    if (isDue(interruption)) return false;
+    for (int i = 0; i <= j; ++i) {
+      double entry = E.col(i).dot(E.col(j));
+      if (j < nc) entry += rho_ * (C(i, j) + C(j, i));
+      if (i < nc && j >= nc) entry += rho_ * C(i, j);
+      if (i >= nc) entry += p.Q(i - nc, j - nc) + (i == j ? ridge_ : 0);
+      G_(i, j) = G_(j, i) = entry;
+    }
+    g_(j) = E.col(j).dot(E.col(n)) + (j < nc ? rho_ * C(j, n) : p.q(j - nc));
+  }
+  constant_ = 0.5 * E.col(n).squaredNorm();
+  return true;
+}
+
+/// What the ridge adds to the objective at most, within the limits of x.
+double QpccRelaxation::calcSlack() const {
+  const int na = problem_->size.unknowns;
+  const int x = problem_->limitedRows() + problem_->size.contacts;
+  return 0.5 * ridge_ *
+         limits_.lower.segment(x, na).cwiseAbs().cwiseMax(limits_.upper.segment(x, na).cwiseAbs()).squaredNorm();
+}
+
+void QpccRelaxation::updateLimits() {
+  const ScaledQpcc& p = *problem_;
+  const int nc = p.size.contacts;
+  const int na = p.size.unknowns;
+  const int m = p.limitedRows();
+  limits_.lower.head(m) = p.row_lower.head(m);
+  limits_.upper.head(m) = p.row_upper.head(m);
+  limits_.lower.segment(m, nc).setZero();
+  limits_.upper.segment(m, nc).setConstant(kInfinity);
+  limits_.lower.segment(m + nc, na) = p.x_lower.head(na).cwiseMax(p.soft_lower.head(na));
+  limits_.upper.segment(m + nc, na) = p.x_upper.head(na).cwiseMin(p.soft_upper.head(na));
+}
+
+}  // namespace sinew

@@ -1,0 +1,316 @@
+#include "sinew/solver/qpcc_solver.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kLog2VisitedSets = 16;
+constexpr double kMostDrift = 1e-10;  // of the tableau, before it is rebuilt
+constexpr int kElasticRestarts = 48;  // while nothing feasible is known
+constexpr double kNearby = 0.3;       // share of the box in which restarts around the best point fall
+constexpr double kBeyond = 4;         // soft ranges by which restarts go beyond limits that give way
+
+bool limitsAreValid(const Eigen::Ref<const VecX>& lower, const Eigen::Ref<const VecX>& upper) {
+  return (lower.array() < kInfinity).all() && (upper.array() > -kInfinity).all();
+}
+
+bool isFinite(const QpccProblem& p) {
+  const int na = p.size.unknowns;
+  const int nr = p.size.rows;
+  const int ne = p.size.effectors;
+  const int nc = p.size.contacts;
+  return p.E_a.topLeftCorner(ne, na).allFinite() && p.E_c.topLeftCorner(ne, nc).allFinite() &&
+         p.e.head(ne).allFinite() && p.Q.topLeftCorner(na, na).allFinite() && p.q.head(na).allFinite() &&
+         p.A_a.topLeftCorner(nr, na).allFinite() && p.A_c.topLeftCorner(nr, nc).allFinite() &&
+         p.a.head(nr).allFinite() && p.C_a.topLeftCorner(nc, na).allFinite() &&
+         p.C_c.topLeftCorner(nc, nc).allFinite() && p.c.head(nc).allFinite() &&
+         limitsAreValid(p.x_lower.head(na), p.x_upper.head(na)) &&
+         limitsAreValid(p.soft_lower.head(na), p.soft_upper.head(na)) &&
+         limitsAreValid(p.row_lower.head(nr), p.row_upper.head(nr));
+}
+
+void clear(QpccSolution& solution) {
+  solution.status = QpccStatus::kFailed;
+  solution.x.setZero();
+  solution.z.setZero();
+  solution.g.setZero();
+  std::fill(solution.active.begin(), solution.active.end(), 0);
+  solution.objective = kInfinity;
+  solution.soft_violation.setZero();
+  solution.row_violation = 0;
+  solution.proved_global = false;
+  solution.decomposition_objective = kInfinity;
+  solution.declined_better = false;
+  solution.declined_objective = kInfinity;
+  solution.pieces = solution.nodes = 0;
+  solution.deadline_ended = false;
+}
+
+double missOf(double value, double lower, double upper) {
+  return std::max({lower - value, value - upper, 0.0});
+}
+
+}  // namespace
+
+/// Lets the tree use the descents of the solver.
+class QpccSolver::Guide : public TreeGuide {
+ public:
+  explicit Guide(QpccSolver& solver) : solver_(solver) {}
+
+  double bestObjective() const override {
+    return solver_.feasible() ? solver_.best_.answer.merit.objective : kInfinity;
+  }
+  void descendFrom(const Eigen::Ref<const VecX>& x) override { solver_.descendFrom(x); }
+  void restart() override { solver_.restart(); }
+  bool presses(const Eigen::Ref<const VecX>& x, int contact) override {
+    solveContactLcp(x, solver_.tableau_);
+    return solver_.tableau_.isActive(contact);
+  }
+
+ private:
+  QpccSolver& solver_;
+};
+
+QpccSolver::QpccSolver(const QpccSizes& capacity)
+    : scaled_(capacity),
+      tableau_(capacity),
+      piece_(capacity),
+      decomposition_(capacity),
+      visited_(kLog2VisitedSets),
+      tree_(capacity),
+      found_(capacity),
+      local_(capacity),
+      reachable_(capacity),
+      best_(capacity),
+      polished_(capacity),
+      map_(capacity.contacts + capacity.rows + capacity.effectors, capacity.unknowns + 1),
+      start_(capacity.unknowns),
+      guess_(capacity.unknowns),
+      reach_(capacity.unknowns),
+      wanted_(static_cast<std::size_t>(capacity.contacts), 0) {
+  held_.reserve(static_cast<std::size_t>(capacity.unknowns));
+}
+
+QpccStatus QpccSolver::solve(const QpccProblem& problem, const QpccGuess& guess, const QpccBudget& budget,
+                             QpccSolution& solution) {
+  clear(solution);
+  if (!isFinite(problem)) return solution.status = QpccStatus::kNotFinite;
+  scaled_.update(problem);
+  tableau_.reset(scaled_);
+  piece_.attach(scaled_);
+  search(guess, budget, solution);
+  if (best_.answer.valid) conclude(problem, guess, solution);
+  solution.pieces = budget_.pieces();
+  solution.nodes = budget_.nodes();
+  solution.deadline_ended = budget_.deadlinePassed();
+  return solution.status;
+}
+
+void QpccSolver::search(const QpccGuess& guess, const QpccBudget& budget, QpccSolution& solution) {
+  budget_.start(budget);
+  visited_.clear();
+  local_.answer.valid = reachable_.answer.valid = best_.answer.valid = false;
+  has_guess_ = guess.valid;
+  restarts_ = 0;
+  pairEqualities(tableau_, held_);
+  if (guess.valid) startAtGuess(guess);
+  local_ = best_;
+  if (!local_.answer.valid || (budget.restarts > 0 && budget_.piecesLeft())) startAtRest();
+  if (!local_.answer.valid) local_ = best_;
+  if (local_.answer.valid && local_.answer.merit.feasible())
+    solution.decomposition_objective = local_.answer.merit.objective * scaled_.objectiveUnit();
+
+  for (int k = 1; k < budget.restarts && budget_.piecesLeft(); ++k) restart();
+  for (int k = 0; k < kElasticRestarts && !feasible() && budget_.piecesLeft(); ++k) restart();
+  solution.proved_global = exploreTree() && feasible();
+  if (!local_.answer.valid) local_ = best_;
+}
+
+bool QpccSolver::exploreTree() {
+  Guide guide(*this);
+  return tree_.explore(scaled_, budget_, guide) == QpccTree::Outcome::kExhausted;
+}
+
+/// The guess's own piece first, then the contacts of its actuation.
+void QpccSolver::startAtGuess(const QpccGuess& guess) {
+  const int n = scaled_.size.unknowns;
+  for (int k = 0; k < scaled_.size.contacts; ++k)
+    wanted_[static_cast<std::size_t>(k)] =
+        guess.active[static_cast<std::size_t>(scaled_.contact[static_cast<std::size_t>(k)])];
+  guess_.head(n) = guess.x.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
+  reach_.head(n) = guess.reach.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
+  tableau_.moveTo(wanted_);
+  start_.head(n) = guess_.head(n).cwiseMax(scaled_.x_lower.head(n)).cwiseMin(scaled_.x_upper.head(n));
+  descendFrom(start_.head(n));
+}
+
+void QpccSolver::startAtRest() {
+  const int n = scaled_.size.unknowns;
+  start_.head(n).setZero();
+  start_.head(n) = start_.head(n).cwiseMax(scaled_.x_lower.head(n)).cwiseMin(scaled_.x_upper.head(n));
+  descendFrom(start_.head(n));
+}
+
+/// In turn: anywhere in the box, mostly at its corners, around the best point.
+void QpccSolver::restart() {
+  const int n = scaled_.size.unknowns;
+  const int kind = restarts_++ % 3;
+  for (int j = 0; j < n; ++j) {
+    double lower = std::max(scaled_.x_lower(j), scaled_.soft_lower(j));
+    double upper = std::min(scaled_.x_upper(j), scaled_.soft_upper(j));
+    const double best = best_.answer.valid ? best_.answer.x(j) : 0;
+    const double span = 1 + 2 * std::abs(best);
+    if (!feasible()) {  // the limits that give way are left behind
+      lower = std::max(scaled_.x_lower(j), lower - kBeyond * scaled_.soft_range(j));
+      upper = std::min(scaled_.x_upper(j), upper + kBeyond * scaled_.soft_range(j));
+    }
+    if (!std::isfinite(lower)) lower = std::isfinite(upper) ? std::min(upper, best) - span : best - span;
+    if (!std::isfinite(upper)) upper = std::max(lower, best) + span;
+    double share = drawUnit();
+    if (kind == 1) share = share < 0.5 ? 0 : (share < 0.9 ? 1 : drawUnit());
+    start_(j) = lower + share * (upper - lower);
+    if (kind == 2) start_(j) = best + kNearby * (upper - lower) * (share + drawUnit() - 1);
+    start_(j) = std::min(std::max(start_(j), lower), upper);
+  }
+  descendFrom(start_.head(n));
+}
+
+/// SplitMix64, in [0, 1).
+double QpccSolver::drawUnit() {
+  random_ += 0x9e3779b97f4a7c15u;
+  std::uint64_t bits = (random_ ^ (random_ >> 30)) * 0xbf58476d1ce4e5b9u;
+  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<double>((bits ^ (bits >> 31)) >> 11) * 0x1p-53;
+}
+
+/// From the contacts of x with the equalities held, or, where that leads nowhere, without holding them.
+void QpccSolver::descendFrom(const Eigen::Ref<const VecX>& x) {
+  const int n = scaled_.size.unknowns;
+  if (tableau_.calcDrift() > kMostDrift) tableau_.rebuild();
+  start_.head(n) = x;
+  if (held_.empty() || !solveContactMcp(held_, start_.head(n), tableau_)) {
+    if (!held_.empty()) tableau_.rebuild();
+    start_.head(n) = x;
+    if (!solveContactLcp(start_.head(n), tableau_)) tableau_.rebuild();
+  }
+  descend();
+}
+
+void QpccSolver::descend() {
+  if (decomposition_.descend(!feasible(), tableau_, piece_, visited_, budget_, found_)) keep(found_);
+}
+
+void QpccSolver::keep(const QpccPoint& point) {
+  const auto improves = [&point](const QpccPoint& other) {
+    return !other.answer.valid || isBetter(point.answer.merit, other.answer.merit);
+  };
+  if (improves(best_)) best_ = point;
+  if (has_guess_ && withinReach(point.answer.x) && improves(reachable_)) reachable_ = point;
+}
+
+bool QpccSolver::withinReach(const Eigen::Ref<const VecX>& x) const {
+  for (int j = 0; j < scaled_.size.unknowns; ++j)
+    if (std::abs(x(j) - guess_(j)) > reach_(j)) return false;
+  return true;
+}
+
+/// The best point, or with a guess the best of the local one and those within reach that beat it by the margin.
+const QpccPoint& QpccSolver::choose(const QpccGuess& guess, QpccSolution& solution) const {
+  if (!has_guess_) return best_;
+  const QpccPoint* chosen = &local_;
+  if (reachable_.answer.valid && isBetter(reachable_.answer.merit, local_.answer.merit)) {
+    PieceMerit handicapped = reachable_.answer.merit;
+    handicapped.objective += guess.margin * std::abs(local_.answer.merit.objective);
+    if (isBetter(handicapped, local_.answer.merit)) chosen = &reachable_;
+  }
+  if (isBetter(best_.answer.merit, chosen->answer.merit)) {
+    solution.declined_better = true;
+    solution.declined_objective = best_.answer.merit.objective * scaled_.objectiveUnit();
+    solution.proved_global = false;
+  }
+  return *chosen;
+}
+
+/// Reports the polished chosen point; and the local one instead should polishing turn the order of the two.
+void QpccSolver::conclude(const QpccProblem& problem, const QpccGuess& guess, QpccSolution& solution) {
+  const QpccPoint& chosen = choose(guess, solution);
+  const bool moved = chosen.active != local_.active;
+  if (moved) {
+    polish(chosen);
+    report(problem, solution);
+    if (!local_.answer.merit.feasible()) return;
+    const double objective = solution.objective;
+    polish(local_);
+    solution.decomposition_objective = polished_.merit.objective * scaled_.objectiveUnit();
+    if (objective <= solution.decomposition_objective || solution.status != QpccStatus::kSolved) return;
+  } else {
+    polish(chosen);
+  }
+  report(problem, solution);
+  if (solution.status == QpccStatus::kSolved) solution.decomposition_objective = solution.objective;
+}
+
+/// Solves the piece of a point without the regularisations of the search, where the piece allows.
+void QpccSolver::polish(const QpccPoint& point) {
+  const int n = scaled_.size.unknowns;
+  tableau_.moveTo(point.active);
+  tableau_.rebuild();
+  auto map = map_.topLeftCorner(scaled_.tableRows(), n + 1);
+  const PieceMerit& merit = point.answer.merit;
+  if (tableau_.refine(map) && piece_.polish(map, merit, polished_)) return;
+  map = tableau_.map();
+  if (!piece_.polish(map, merit, polished_)) polished_ = point.answer;
+}
+
+/// The polished point in SI units.
+void QpccSolver::report(const QpccProblem& p, QpccSolution& solution) const {
+  const PieceAnswer& answer = polished_;
+  const int na = p.size.unknowns;
+  const int nc = p.size.contacts;
+  const int nr = p.size.rows;
+  const int ne = p.size.effectors;
+  auto x = solution.x.head(na);
+  auto z = solution.z.head(nc);
+  auto g = solution.g.head(nc);
+  x = scaled_.magnitude * scaled_.unknown_unit.head(na).cwiseProduct(answer.x.head(na));
+  x = x.cwiseMax(p.x_lower.head(na)).cwiseMin(p.x_upper.head(na));
+  z.setZero();
+  g.setZero();
+  for (int k = 0; k < scaled_.size.contacts; ++k) {
+    const int i = scaled_.contact[static_cast<std::size_t>(k)];
+    solution.active[static_cast<std::size_t>(i)] = tableau_.isActive(k) ? 1 : 0;
+    if (!tableau_.isActive(k)) continue;
+    const double force = map_.row(k).head(na).dot(answer.x.head(na)) + map_(k, na);
+    z(i) = std::max(0.0, scaled_.magnitude * scaled_.contact_unit(k) * force);
+  }
+  for (int i = 0; i < nc; ++i) {
+    if (solution.active[static_cast<std::size_t>(i)]) continue;
+    g(i) = std::max(0.0, p.C_a.row(i).head(na).dot(x) + p.C_c.row(i).head(nc).dot(z) + p.c(i));
+  }
+
+  double sum = 0;
+  for (int r = 0; r < ne; ++r) {
+    const double error = p.E_a.row(r).head(na).dot(x) + p.E_c.row(r).head(nc).dot(z) + p.e(r);
+    sum += error * error;
+  }
+  for (int j = 0; j < na; ++j) sum += x(j) * (p.Q.col(j).head(na).dot(x) + 2 * p.q(j));
+  solution.objective = 0.5 * sum;
+  const PieceMerit& merit = answer.merit;
+  for (int j = 0; j < na && merit.soft_violation > 0; ++j)
+    solution.soft_violation(j) = missOf(x(j), p.soft_lower(j), p.soft_upper(j));
+  for (int r = 0; r < nr && merit.row_violation > 0; ++r) {
+    const double value = p.A_a.row(r).head(na).dot(x) + p.A_c.row(r).head(nc).dot(z) + p.a(r);
+    solution.row_violation = std::max(solution.row_violation, missOf(value, p.row_lower(r), p.row_upper(r)));
+  }
+  solution.status = merit.row_violation > 0    ? QpccStatus::kInfeasible
+                    : merit.soft_violation > 0 ? QpccStatus::kGivenWay
+                                               : QpccStatus::kSolved;
+}
+
+}  // namespace sinew
