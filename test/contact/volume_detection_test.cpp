@@ -60,13 +60,14 @@ TEST(VolumeDetection, OfBoxesInLineWithThePixelsIsExact) {
   const TriangleMesh body = makeBar(size, 4, 3, 2);
   Overlap run(body, ObstacleShape::makeBox(Vec3(0.01, 0.008, 0.01)), settings);
   Pose pose = Pose::Identity();
+  double error = 0;
   for (const double distance : {1.2e-3, 1e-3, 0.0, -2e-3}) {
     pose.translation() = Vec3(0.02, 0.015, size.z() + 0.01 + distance);
     run.update(body.vertices, pose);
     ASSERT_EQ(run.list.size(), 1) << distance;
     const ContactRow& row = run.list.row(0);
     const Vec3 overlap(0.02 + 2 * settings.dilation, 0.016 + 2 * settings.dilation, settings.dilation - distance);
-    checkFigure("volume_contacts.aligned_boxes", std::abs(run.volume() / overlap.prod() - 1), "<=", 1e-12, "ratio");
+    error = std::max(error, std::abs(run.volume() / overlap.prod() - 1));
     EXPECT_NEAR(row.gap, distance - settings.contact_distance, 1e-12);
     EXPECT_LT((row.normal + Vec3::UnitZ()).norm(), 1e-12);
     EXPECT_NEAR((row.point - row.other_point).dot(row.normal), distance, 1e-12);
@@ -74,6 +75,7 @@ TEST(VolumeDetection, OfBoxesInLineWithThePixelsIsExact) {
     for (int k = 0; k < row.entries; ++k) sum += run.list.entries(0)[k].gradient;
     EXPECT_LT((sum - row.normal).norm(), 1e-12);
   }
+  checkFigure("volume_contacts.aligned_boxes", error, "<=", 1e-12, "ratio");
 }
 
 TEST(VolumeDetection, IsWithinAPercentAtSixtyFourPixels) {

@@ -11,6 +11,7 @@ namespace {
 /// Slope of phi below which a minimum along an edge or in a face counts as level: its dip is below this times half the
 /// edge, less than a micrometre.
 constexpr double kLevel = 1e-4;
+constexpr int kSearchSteps = 40;
 constexpr int kRimPoints = 32;  // around each rim of a cylinder
 
 struct FaceMinimum {
@@ -20,7 +21,8 @@ struct FaceMinimum {
 
 /// The minimum of phi over a triangle: over v in [0, 1] of the minimum over u in [0, 1 - v] of
 /// phi(x0 + u (x1 - x0) + v (x2 - x0)). Both are convex; the derivative of the inner minimum by v is that of phi at fixed
-/// u, and along the side of the triangle where u has reached its end.
+/// u, and along the side of the triangle where u has reached its end. That needs a smooth phi, as it is outside of the
+/// shape; a triangle that cuts the shape is searched by values.
 class FaceMinimiser {
  public:
   FaceMinimiser(const ObstacleShape& shape, const Vec3& x0, const Vec3& x1, const Vec3& x2)
@@ -28,13 +30,43 @@ class FaceMinimiser {
 
   FaceMinimum calcMinimum() const {
     const double v = calcConvexMinimum([&](double at) { return calcSlope(at); }, calcSlope(0), calcSlope(1));
-    const double u = calcInner(v);
-    return {Vec3(1 - u - v, u, v), shape_.calcDistance(at(u, v))};
+    const FaceMinimum minimum = calcAt(v);
+    return minimum.seen.distance > 0 ? minimum : calcAt(searchByValue());
   }
 
  private:
   Vec3 at(double u, double v) const { return x0_ + u * along_u_ + v * along_v_; }
   Vec3 gradient(double u, double v) const { return shape_.calcDistance(at(u, v)).normal; }
+
+  FaceMinimum calcAt(double v) const {
+    const double u = calcInner(v);
+    return {Vec3(1 - u - v, u, v), shape_.calcDistance(at(u, v))};
+  }
+
+  /// Golden section: the v of the least inner minimum.
+  double searchByValue() const {
+    const double part = (std::sqrt(5.0) - 1) / 2;
+    const auto value = [&](double v) { return shape_.calcDistance(at(calcInner(v), v)).distance; };
+    double left = 0, right = 1;
+    double a = 1 - part, b = part;
+    double at_a = value(a), at_b = value(b);
+    for (int step = 0; step < kSearchSteps; ++step) {
+      if (at_a < at_b) {
+        right = b;
+        b = a;
+        at_b = at_a;
+        a = right - part * (right - left);
+        at_a = value(a);
+      } else {
+        left = a;
+        a = b;
+        at_a = at_b;
+        b = left + part * (right - left);
+        at_b = value(b);
+      }
+    }
+    return (left + right) / 2;
+  }
 
   double calcInner(double v) const {
     const double end = 1 - v;

@@ -28,12 +28,14 @@ std::vector<ObstacleShape> gatherShapes(const RobotModel& robot) {
 
 struct ContactFinder::Impl {
   const RobotModel& robot;
-  ContactList list;
+  ContactList found, list;
   std::vector<ObstacleState> states;
   std::unique_ptr<ProximityDetection> proximity;  // null where there is nothing to touch
 
   explicit Impl(const RobotModel& model)
-      : robot(model), list(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())) {
+      : robot(model),
+        found(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())),
+        list(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())) {
     for (const Obstacle& obstacle : model.obstacles()) states.push_back({obstacle.pose, true});
     if (model.maxContacts() == 0) return;
     proximity = std::make_unique<ProximityDetection>(makeSettings(model.description().contacts),
@@ -45,10 +47,25 @@ struct ContactFinder::Impl {
     int shape = 0;
     for (std::size_t i = 0; i < states.size(); ++i) {
       for (const Obstacle::Part& part : robot.obstacles()[i].parts) {
-        if (states[i].present) proximity->addObstacle(shape, states[i].pose * part.origin, list);
+        if (states[i].present) proximity->addObstacle(shape, states[i].pose * part.origin, found);
         ++shape;
       }
     }
+  }
+
+  bool movable(int row) const {
+    const ContactEntry* entries = found.entries(row);
+    return std::any_of(entries, entries + found.row(row).entries,
+                       [this](const ContactEntry& entry) { return robot.fem().freeIndex(entry.node) >= 0; });
+  }
+
+  // Nothing gives way to a contact of fixed nodes.
+  void keepMovable() {
+    list.begin();
+    for (int row = 0; row < found.size(); ++row) {
+      if (movable(row)) list.add(found.row(row), found.entries(row), found.row(row).entries);
+    }
+    list.finish();
   }
 };
 
@@ -70,12 +87,14 @@ const std::vector<ObstacleState>& ContactFinder::obstacles() const {
 
 const ContactList& ContactFinder::find(const std::vector<Vec3>& nodes, StageTimes& times) {
   const StageTimer timer(times.detection);
-  impl_->list.begin();
+  impl_->found.begin();
   if (impl_->proximity) {
     impl_->proximity->update(nodes);
     impl_->addObstacles();
+    if (impl_->robot.description().contacts.self) impl_->proximity->addSelf(RegionPairs(), impl_->found);
   }
-  impl_->list.finish();
+  impl_->found.finish();
+  impl_->keepMovable();
   return impl_->list;
 }
 

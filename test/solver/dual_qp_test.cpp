@@ -1,0 +1,118 @@
+#include "sinew/solver/dual_qp.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "random_qp.h"
+#include "sinew/solver/dense_qp.h"
+
+namespace sinew {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A QP in the form that DualQp reads.
+struct View {
+  explicit View(const QpProblem& problem) : map(problem.rows, problem.variables + 1), limits(0) {
+    map << problem.C, VecX::Zero(problem.rows);
+    limits.lower.resize(problem.rows + problem.variables);
+    limits.lower << problem.row_lower, problem.lower;
+    limits.upper.resize(problem.rows + problem.variables);
+    limits.upper << problem.row_upper, problem.upper;
+  }
+
+  QpRows rows() const { return makeQpRows(map, map.rows()); }
+
+  MatX map;
+  QpLimits limits;
+};
+
+QpProblem makeConvex(int variables, int rows, bool feasible, std::mt19937& random) {
+  QpProblem problem = feasible ? makeFeasibleQp(variables, rows, random) : makeInfeasibleQp(variables, rows, random);
+  problem.G.diagonal().array() += 0.1;
+  return problem;
+}
+
+double calcObjective(const QpProblem& problem, const VecX& x) {
+  return x.dot(0.5 * problem.G * x + problem.g);
+}
+
+TEST(DualQp, agreesWithDenseQp) {
+  std::mt19937 random(3);
+  for (int k = 0; k < 500; ++k) {
+    const int n = 1 + static_cast<int>(random() % 12);
+    const int m = static_cast<int>(random() % 30);
+    const QpProblem problem = makeConvex(n, m, true, random);
+    DenseQp reference(n, m);
+    QpSolution solution(n, m);
+    ASSERT_EQ(reference.solve(problem, solution), QpStatus::kSolved);
+    const View view(problem);
+    DualQp qp(n, m);
+    ASSERT_TRUE(qp.start(problem.G, problem.g));
+    ASSERT_EQ(qp.minimise(view.rows(), view.limits, kInfinity), DualQp::Outcome::kOptimal);
+    qp.settle(view.rows(), view.limits);
+    const double scale = 1 + std::abs(solution.objective);
+    EXPECT_NEAR(calcObjective(problem, qp.x()), solution.objective, 1e-8 * scale) << k;
+    EXPECT_NEAR(qp.value(), solution.objective, 1e-7 * scale) << k;
+    EXPECT_LE((qp.x() - solution.x).norm(), 1e-7 * (1 + solution.x.norm())) << k;
+  }
+}
+
+TEST(DualQp, seesInfeasibility) {
+  std::mt19937 random(4);
+  for (int k = 0; k < 200; ++k) {
+    const int n = 1 + static_cast<int>(random() % 8);
+    const int m = 2 + static_cast<int>(random() % 20);
+    const QpProblem problem = makeConvex(n, m, false, random);
+    const View view(problem);
+    DualQp qp(n, m);
+    ASSERT_TRUE(qp.start(problem.G, problem.g));
+    EXPECT_EQ(qp.minimise(view.rows(), view.limits, kInfinity), DualQp::Outcome::kInfeasible) << k;
+  }
+}
+
+TEST(DualQp, goesOnFromACopyAfterTightening) {
+  std::mt19937 random(5);
+  for (int k = 0; k < 200; ++k) {
+    const int n = 4;
+    const int m = 10;
+    QpProblem problem = makeConvex(n, m, true, random);
+    View view(problem);
+    DualQp parent(n, m), child(n, m), fresh(n, m);
+    ASSERT_TRUE(parent.start(problem.G, problem.g));
+    ASSERT_EQ(parent.minimise(view.rows(), view.limits, kInfinity), DualQp::Outcome::kOptimal);
+    view.limits.upper(m) = std::min(view.limits.upper(m), parent.x()(0) - 0.01);
+    child.copy(parent);
+    ASSERT_TRUE(fresh.start(problem.G, problem.g));
+    const DualQp::Outcome outcome = fresh.minimise(view.rows(), view.limits, kInfinity);
+    ASSERT_EQ(child.minimise(view.rows(), view.limits, kInfinity), outcome);
+    if (outcome != DualQp::Outcome::kOptimal) continue;
+    EXPECT_NEAR(child.value(), fresh.value(), 1e-8 * (1 + std::abs(fresh.value())));
+    EXPECT_GE(child.value(), parent.value());
+    EXPECT_EQ(parent.unknowns(), n);
+  }
+}
+
+TEST(DualQp, stopsAtTheCutoff) {
+  const MatX G = MatX::Identity(1, 1);
+  const VecX g = VecX::Zero(1);
+  const MatX map(0, 2);
+  QpLimits limits(1);
+  limits.lower << 2;
+  limits.upper << kInfinity;
+  DualQp qp(1, 0);
+  ASSERT_TRUE(qp.start(G, g));
+  EXPECT_EQ(qp.minimise(makeQpRows(map, 0), limits, 1), DualQp::Outcome::kCutOff);
+  EXPECT_DOUBLE_EQ(qp.value(), 2);
+}
+
+TEST(DualQp, refusesAFlatObjective) {
+  DualQp qp(2, 0);
+  EXPECT_FALSE(qp.start(MatX::Ones(2, 2), VecX::Zero(2)));
+}
+
+}  // namespace
+}  // namespace sinew
