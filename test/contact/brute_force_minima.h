@@ -15,7 +15,8 @@ struct BruteMinimum {
 
 namespace brute {
 
-/// The nearest point of a segment or triangle by alternating projections: no formula in common with the code under test.
+/// The nearest point of a segment or triangle by alternating projections: no formula in common with the code under
+/// test.
 inline Vec3 nearestOnSegment(const Vec3& a, const Vec3& b, const Vec3& x) {
   const Vec3 ab = b - a;
   return a + std::clamp(ab.dot(x - a) / ab.dot(ab), 0.0, 1.0) * ab;
@@ -111,7 +112,9 @@ inline std::vector<BruteMinimum> calcLocalMinima(const TriangleMesh& a, const Tr
     return list;
   };
   std::vector<BruteMinimum> nearest(a.triangles.size() * b.triangles.size());
-  const auto at = [&](std::size_t ta, std::size_t tb) -> BruteMinimum& { return nearest[ta * b.triangles.size() + tb]; };
+  const auto at = [&](std::size_t ta, std::size_t tb) -> BruteMinimum& {
+    return nearest[ta * b.triangles.size() + tb];
+  };
   for (std::size_t ta = 0; ta < a.triangles.size(); ++ta) {
     for (std::size_t tb = 0; tb < b.triangles.size(); ++tb) {
       at(ta, tb) = brute::nearestOfTriangles(cornersOf(a, ta), cornersOf(b, tb));

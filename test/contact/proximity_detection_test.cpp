@@ -57,8 +57,10 @@ double calcLeastDistance(const std::vector<Vec3>& samples, const ObstacleShape& 
 /// A body brought up to an obstacle along a random line, until it is `distance` away.
 Scene makeScene(Random& random, const std::vector<TriangleMesh>& bodies, const std::vector<ObstacleShape>& obstacles,
                 double distance) {
-  Scene scene = {bodies[random.index(static_cast<int>(bodies.size()))], {},
-                 random.index(static_cast<int>(obstacles.size())), random.pose(0.02)};
+  Scene scene = {bodies[random.index(static_cast<int>(bodies.size()))],
+                 {},
+                 random.index(static_cast<int>(obstacles.size())),
+                 random.pose(0.02)};
   const ObstacleShape& shape = obstacles[scene.obstacle];
   scene.nodes = calcMoved(scene.body.vertices, random.pose(0.02));
   Vec3 away = random.direction();
@@ -144,8 +146,7 @@ TEST(ProximityDetection, EnforcedPairsLeaveNoPointTooDeepAfterOneStep) {
     const auto calcDeepest = [&](const Field& motion) {
       std::vector<Vec3> moved = scene.nodes;
       for (Vec3& x : moved) x += calcMotion(motion, x, centre, 0.03);
-      const double least =
-          calcLeastDistance(calcSamples(scene.body, moved, 8), obstacles[scene.obstacle], scene.pose);
+      const double least = calcLeastDistance(calcSamples(scene.body, moved, 8), obstacles[scene.obstacle], scene.pose);
       return settings.contact_distance - least;
     };
     without = std::max(without, calcDeepest(field));
@@ -304,10 +305,11 @@ TEST(ProximityDetection, OfTwoSoftBodiesHasEntriesOnBoth) {
   for (Vec3& x : above) x += Vec3(0.003, 0.004, 0.022);
   const CollisionSurface topology(bar.triangles);
   ProximityDetection detection(ProximitySettings(), topology, above, {}, kMaxRows);
-  detection.reserveOther(topology.vertices());
   ContactList list(kMaxRows, 6 * kMaxRows);
+  EXPECT_FALSE(detection.addOther(MovingSurface(topology, bar.vertices), list)) << "without room";
+  detection.reserveOther(topology.vertices());
   list.begin();
-  detection.addOther(MovingSurface(topology, bar.vertices), list);
+  EXPECT_TRUE(detection.addOther(MovingSurface(topology, bar.vertices), list));
   list.finish();
   ASSERT_GT(list.size(), 3);
   for (int i = 0; i < list.size(); ++i) {

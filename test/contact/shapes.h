@@ -70,7 +70,9 @@ inline TriangleMesh makeBall(double radius, int levels) {
 class Random {
  public:
   explicit Random(unsigned seed) : generator_(seed) {}
-  double uniform(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(generator_); }
+  double uniform(double lower, double upper) {
+    return std::uniform_real_distribution<double>(lower, upper)(generator_);
+  }
   int index(int count) { return std::uniform_int_distribution<int>(0, count - 1)(generator_); }
   Vec3 vector(double reach) { return {uniform(-reach, reach), uniform(-reach, reach), uniform(-reach, reach)}; }
   Vec3 direction() {

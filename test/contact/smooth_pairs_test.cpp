@@ -11,7 +11,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kNarrow = 1e-6;  // of a slope: such pairs may be kept or not
+constexpr double kNarrow = 1e-6;   // of a slope: such pairs may be kept or not
 constexpr double kShallow = 1e-8;  // m, of a dip below the ends of an edge or the border of a face
 
 enum class Verdict { kNo, kEither, kYes };
@@ -179,7 +179,8 @@ TEST(SmoothPairs, AreThoseOfTheDefinition) {
   EXPECT_GT(edges.kept, 100);
   EXPECT_GT(faces.kept, 50);
   checkFigure("detection_oracle.smooth_wrong", vertices.wrong + edges.wrong + faces.wrong, "<=", 0, "pairs");
-  checkFigure("detection_oracle.smooth_distance", std::max({vertices.error, edges.error, faces.error}), "<=", 1e-9, "m");
+  checkFigure("detection_oracle.smooth_distance", std::max({vertices.error, edges.error, faces.error}), "<=", 1e-9,
+              "m");
 }
 
 TEST(SmoothPairs, OfACylinderOnEndUnderOneFaceHaveItsRim) {

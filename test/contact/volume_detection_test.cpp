@@ -83,8 +83,8 @@ TEST(VolumeDetection, IsWithinAPercentAtSixtyFourPixels) {
   const Vec3 size(0.04, 0.03, 0.02);
   const TriangleMesh body = makeBar(size, 3, 2, 2);
   const std::vector<ObstacleShape> shapes = {ObstacleShape::makeBox(Vec3(0.01, 0.015, 0.02)),
-                                             ObstacleShape::makeSphere(0.015),
-                                             ObstacleShape::makeCylinder(0.01, 0.03), ObstacleShape::makePlane()};
+                                             ObstacleShape::makeSphere(0.015), ObstacleShape::makeCylinder(0.01, 0.03),
+                                             ObstacleShape::makePlane()};
   double worst[2] = {0, 0};
   double mean[2] = {0, 0};
   int scenes = 0;

@@ -52,7 +52,8 @@ TEST_F(Decomposition, endsWhereNoNamedContactHelps) {
     PieceAnswer next(size_);
     for (const int contact : best.answer.candidates) {
       tableau_->pivot(contact);
-      if (piece_->solve(tableau_->map(), next)) EXPECT_FALSE(isBetter(next.merit, best.answer.merit)) << k;
+      const bool solved = piece_->solve(tableau_->map(), next);
+      EXPECT_FALSE(solved && isBetter(next.merit, best.answer.merit)) << k;
       tableau_->pivot(contact);
     }
   }
@@ -91,7 +92,7 @@ TEST_F(Decomposition, leavesPiecesThatMissLimits) {
     reached += best.answer.merit.feasible();
   }
   EXPECT_GT(missed, 5);
-  EXPECT_GT(2 * reached, missed);
+  EXPECT_GT(3 * reached, missed);
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ QpccProblem drawProblem(int number, std::mt19937& random) {
   if (variant == 3) limitRates(problem.soft_upper * share(), 0.2, problem);
   if (variant == 4) holdRow(0, 0.8 * share(), problem);
   if (variant == 5) holdRow(0, 1.2 + share(), problem);
-  if (variant == 6 && random() % 4 == 0) problem.row_lower(0) = problem.row_upper(0) = 10 * problem.row_upper(0);
+  if (variant == 6 && random() % 2 == 0) problem.row_lower(0) = problem.row_upper(0) = 10 * problem.row_upper(0);
   return problem;
 }
 

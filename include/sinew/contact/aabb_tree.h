@@ -78,8 +78,8 @@ class AabbTree {
     searchPairs<false>(*this, 0, other, 0, static_cast<float>(margin), visit);
   }
 
-  /// Likewise within the tree, each pair of different triangles once, without some pairs none of whose normals differ by
-  /// more than a right angle.
+  /// Likewise within the tree, each pair of different triangles once, without some pairs none of whose normals differ
+  /// by more than a right angle.
   template <typename Visit>
   void forEachOwnPair(double margin, const Visit& visit) const {
     searchSelf(0, static_cast<float>(margin), visit);
@@ -95,8 +95,8 @@ class AabbTree {
 
  private:
   static constexpr float kFar = 1e30f;
-  static constexpr float kRounding = 1e-5f;    // of a product of two directions
-  static constexpr float kLoosening = 1e-4f;   // of a squared distance, and of a length in m, against rounding
+  static constexpr float kRounding = 1e-5f;   // of a product of two directions
+  static constexpr float kLoosening = 1e-4f;  // of a squared distance, and of a length in m, against rounding
 
   struct Node {
     PackedBox box, normals;

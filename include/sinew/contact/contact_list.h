@@ -22,13 +22,13 @@ struct ContactEntry {
 
 /// One inequality gap >= 0.
 struct ContactRow {
-  std::uint64_t key = 0;              ///< names the pair of features: the same pair has the same key in every cycle
-  int obstacle = kSelfContact;        ///< index, kSelfContact or kOtherSurface
-  Vec3 point = Vec3::Zero();          ///< on the robot [m]
-  Vec3 other_point = Vec3::Zero();    ///< on the obstacle, or on the other part of the robot [m]
-  Vec3 normal = Vec3::UnitZ();        ///< unit, from the obstacle towards the robot
-  double gap = 0;                     ///< m, distance minus contact distance: negative where the row is violated
-  double area = 0;                    ///< m2 of the robot's surface that the row stands for
+  std::uint64_t key = 0;            ///< names the pair of features: the same pair has the same key in every cycle
+  int obstacle = kSelfContact;      ///< index, kSelfContact or kOtherSurface
+  Vec3 point = Vec3::Zero();        ///< on the robot [m]
+  Vec3 other_point = Vec3::Zero();  ///< on the obstacle, or on the other part of the robot [m]
+  Vec3 normal = Vec3::UnitZ();      ///< unit, from the obstacle towards the robot
+  double gap = 0;                   ///< m, distance minus contact distance: negative where the row is violated
+  double area = 0;                  ///< m2 of the robot's surface that the row stands for
   ContactMethod method = ContactMethod::kProximity;
   int first_entry = 0;
   int entries = 0;

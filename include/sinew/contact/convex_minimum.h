@@ -4,9 +4,9 @@
 
 namespace sinew {
 
-/// Where the derivative of a convex function of t passes through 0 in [0, 1]; it may jump. `slope(t)` is the derivative,
-/// `at_0` and `at_1` its values at the ends, which bound t if they do not differ in sign. Regula falsi with the weights
-/// of the Illinois rule, each third step a bisection, so that no function is slow.
+/// Where the derivative of a convex function of t passes through 0 in [0, 1]; it may jump. `slope(t)` is the
+/// derivative, `at_0` and `at_1` its values at the ends, which bound t if they do not differ in sign. Regula falsi with
+/// the weights of the Illinois rule, each third step a bisection, so that no function is slow.
 template <typename Slope>
 double calcConvexMinimum(const Slope& slope, double at_0, double at_1) {
   constexpr int kMaxSteps = 60;

@@ -9,17 +9,17 @@
 
 namespace sinew {
 
-/// A solid body seen along one axis through a grid of pixels: for every pixel, the stretches of its ray that lie in a soft
-/// surface and in an obstacle at once. All room is taken at construction.
+/// A solid body seen along one axis through a grid of pixels: for every pixel, the stretches of its ray that lie in a
+/// soft surface and in an obstacle at once. All room is taken at construction.
 class DepthView {
  public:
   /// Where a ray passes through a triangle of the soft surface.
   struct Layer {
-    double depth;    // m
+    double depth;  // m
     int triangle;
-    Vec3 weights;    // of its corners
-    bool is_front;   // the ray enters
-    int next;        // of the same pixel, deeper; -1: none
+    Vec3 weights;   // of its corners
+    bool is_front;  // the ray enters
+    int next;       // of the same pixel, deeper; -1: none
   };
   struct Segment {
     int pixel;
@@ -31,7 +31,8 @@ class DepthView {
   DepthView(int axis, int pixels, int max_layers);
 
   /// Pixels fill `box`, of which the other two axes count. False if layers or segments found no room.
-  bool update(const MovingSurface& soft, const ObstacleShape& obstacle, double dilation, const Pose& pose, const Box& box);
+  bool update(const MovingSurface& soft, const ObstacleShape& obstacle, double dilation, const Pose& pose,
+              const Box& box);
   bool update(const MovingSurface& soft, const MovingSurface& obstacle, const Box& box);
 
   /// Sees nothing.

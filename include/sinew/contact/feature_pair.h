@@ -7,8 +7,8 @@
 
 namespace sinew {
 
-/// What meets what: on the robot, on the obstacle. In self-contact a vertex comes before an edge before a face, and of two
-/// alike the smaller index.
+/// What meets what: on the robot, on the obstacle. In self-contact a vertex comes before an edge before a face, and of
+/// two alike the smaller index.
 enum class PairKind {
   kVertexSmooth,
   kEdgeSmooth,

@@ -30,7 +30,7 @@ class MovingSurface {
   const Vec3& edgeNormal(int edge) const { return edge_normals_[edge]; }          ///< sum of both faces'
 
   double faceArea(int triangle) const { return face_areas_[triangle]; }
-  double edgeArea(int edge) const;                                          ///< a third of its two triangles [m2]
+  double edgeArea(int edge) const;                                       ///< a third of its two triangles [m2]
   double vertexArea(int vertex) const { return vertex_areas_[vertex]; }  ///< a third of its triangles [m2]
 
   /// Unit vector in face `i` (0 or 1) of an edge, at a right angle to it, away from it.

@@ -33,8 +33,8 @@ class ObstacleShape {
   static ObstacleShape makeMesh(const TriangleMesh& mesh);
 
   Kind kind() const { return kind_; }
-  double radius() const { return half_.x(); }        ///< of sphere and cylinder
-  const Vec3& halfSizes() const { return half_; }    ///< of the enclosing box; not of the plane
+  double radius() const { return half_.x(); }               ///< of sphere and cylinder
+  const Vec3& halfSizes() const { return half_; }           ///< of the enclosing box; not of the plane
   const MeshDistance* mesh() const { return mesh_.get(); }  ///< of kMesh, otherwise null
 
   /// Whether the distance is that of plane, sphere or cylinder: smooth, but for the rims of the cylinder.
@@ -44,8 +44,8 @@ class ObstacleShape {
   SurfaceDistance calcDistance(const Vec3& p) const;
   /// Bounds the shape with its frame at `pose`. The plane's box ends at the plane only where an axis is its normal.
   Box calcBox(const Pose& pose) const;
-  /// The part of the line p + t d (frame of the shape, d unit) inside a convex shape (not a mesh) that is grown by `margin`
-  /// [m] on every side: box and cylinder keep their corners. False where the line misses it.
+  /// The part of the line p + t d (frame of the shape, d unit) inside a convex shape (not a mesh) that is grown by
+  /// `margin` [m] on every side: box and cylinder keep their corners. False where the line misses it.
   bool calcChord(const Vec3& p, const Vec3& d, double margin, double* enter, double* leave) const;
 
   /// Triangles for display: exact for box and mesh, inscribed with about `divisions` sides for sphere and cylinder; the

@@ -18,19 +18,19 @@ struct VolumeSettings {
   double appear = 0.1;             ///< mean thickness, as a part of the dilation, at which a region becomes a row
   double vanish = 0.02;            ///< and below which it is given up
 
-  /// Throws ConfigError. A round contact has about twice its mean depth in the middle: with a dilation of more than twice
-  /// the contact distance, a row that is satisfied would let the bodies touch.
+  /// Throws ConfigError. A round contact has about twice its mean depth in the middle: with a dilation of more than
+  /// twice the contact distance, a row that is satisfied would let the bodies touch.
   void check() const;
 };
 
 /// One connected part of the intersection of the surface with a dilated obstacle.
 struct VolumeRegion {
-  int id = 0;                           ///< stays with the region from cycle to cycle
-  double volume = 0;                    ///< m3
-  Vec3 boundary = Vec3::Zero();         ///< m2, the soft surface inside the obstacle: integral of its outward normal
-  double area = 0;                      ///< m2, the overlap
-  Vec3 centre = Vec3::Zero();           ///< m
-  Vec3 extent = Vec3::Zero();           ///< m, half sizes
+  int id = 0;                    ///< stays with the region from cycle to cycle
+  double volume = 0;             ///< m3
+  Vec3 boundary = Vec3::Zero();  ///< m2, the soft surface inside the obstacle: integral of its outward normal
+  double area = 0;               ///< m2, the overlap
+  Vec3 centre = Vec3::Zero();    ///< m
+  Vec3 extent = Vec3::Zero();    ///< m, half sizes
   double calcThickness() const { return volume / area; }
 };
 
@@ -38,15 +38,16 @@ struct VolumeRegion {
 /// Volume contact constraints at arbitrary resolution, ACM Trans. Graph. 29(4), 2010).
 ///
 /// Obstacles are grown by `dilation` a, and the intersection with the soft surface is seen along x, y and z through
-/// `pixels` squared rays over the overlap of both bounding boxes. Stretches that overlap in neighbouring pixels, or that
-/// cross in two views, are one region; each region is one row
+/// `pixels` squared rays over the overlap of both bounding boxes. Stretches that overlap in neighbouring pixels, or
+/// that cross in two views, are one region, as are parts less than a pixel apart; each region is one row
 ///   gap = (V_ref - V) / S,   V_ref = S (a - contact distance),
-/// S the overlap area |integral of the soft surface's normal over its part inside|, in m: for parallel faces the distance
-/// less the contact distance. A plain intersection volume would vanish, with its gradient, where the row is satisfied.
+/// S the overlap area |integral of the soft surface's normal over its part inside|, in m: for parallel faces the
+/// distance less the contact distance. A plain intersection volume would vanish, with its gradient, where the row is
+/// satisfied.
 ///   d gap / d x_v = -dV / d x_v / S,   V_ref and S held,
 /// dV / d x_v along each axis from the view along it: the sum over the pixels of a region's ends on the soft surface,
-/// of pixel area times the weight of v there, positive where the ray leaves. V is the mean of the three views weighted by
-/// the square of the contact normal's entries.
+/// of pixel area times the weight of v there, positive where the ray leaves. V is the mean of the three views weighted
+/// by the square of the contact normal's entries.
 class VolumeDetection {
  public:
   VolumeDetection(const VolumeSettings& settings, const CollisionSurface& topology,
@@ -92,13 +93,13 @@ class VolumeDetection {
   int max_regions_;
   std::vector<Obstacle> obstacles_;
   std::vector<DepthView> views_;
-  std::array<int, 4> first_{};     // number of the first segment of each view
-  std::vector<int> parent_;        // by segment of all views: union-find
-  std::vector<int> region_of_;     // by segment
+  std::array<int, 4> first_{};  // number of the first segment of each view
+  std::vector<int> parent_;     // by segment of all views: union-find
+  std::vector<int> region_of_;  // by segment
   std::vector<Sum> sums_;
   std::vector<VolumeRegion> regions_;
   std::vector<char> is_taken_;
-  std::vector<Vec3> gradient_;     // dV/dx by vertex
+  std::vector<Vec3> gradient_;  // dV/dx by vertex
   std::vector<char> is_touched_;
   std::vector<int> touched_;
   std::vector<ContactEntry> entries_;

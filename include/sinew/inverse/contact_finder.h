@@ -36,6 +36,8 @@ class ContactFinder {
     int obstacle;  ///< index into the description's list
   };
   Placed part(int index) const;  ///< of a row's `obstacle`
+  /// By how much the last `setObstacles` alone changed the gap of a row [m].
+  double calcGapShift(int row) const;
 
  private:
   struct Impl;

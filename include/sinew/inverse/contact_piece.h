@@ -26,6 +26,9 @@ class ContactPiece {
   int contacts() const { return contacts_; }
   int firstContact() const { return rows_ - contacts_; }
 
+  /// What `shift` of the gaps [m] has moved the rows before the contacts by [m].
+  void calcResponse(const VecX& shift, VecX& response);
+
   /// Signorini's two sides for changes of effort [N]: one of them is exactly 0 for every contact.
   void calcContacts(const VecX& effort_change, VecX& force, VecX& gap) const;
 
@@ -35,7 +38,7 @@ class ContactPiece {
   MatX factor_;   // of W_pp, scaled to a unit diagonal
   MatX answer_;   // W_pp^-1 [W_pa v_p]
   MatX coupling_; // W_rp
-  VecX scale_;
+  VecX scale_, shift_;
   std::vector<int> pressing_;  // contacts
   std::vector<char> presses_;
 };

@@ -20,7 +20,7 @@ namespace sinew {
 /// 100 m. Nothing allocates after construction.
 class ComplementarityTableau {
  public:
-  static constexpr double kLift = 1e-8;
+  static constexpr double kLift = 1e-10;
 
   explicit ComplementarityTableau(const QpccSizes& capacity);
 

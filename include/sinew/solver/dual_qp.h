@@ -49,8 +49,8 @@ class DualQp {
   /// Takes over the state of `other`, whose capacity must be the same; costs the size of its QP, not the capacity.
   void copy(const DualQp& other);
 
-  /// Adds violated limits until none is left, or until the value exceeds `cutoff`. Limits may have been tightened since
-  /// the last call, never loosened.
+  /// Adds violated limits until none is left, or until the value exceeds `cutoff`. Limits that are not
+  /// active may have been tightened since the last call; nothing else may have changed.
   Outcome minimise(const QpRows& rows, const QpLimits& limits, double cutoff, QpInterruption* interruption = nullptr);
 
   /// Moves x onto the active limits, where rounding has left it beside them.

@@ -130,8 +130,7 @@ void DepthView::addTriangle(const MovingSurface& surface, int triangle, std::vec
                              calcSideOrdered(index[1], x[1], index[2], x[2], p) == turn &&
                              calcSideOrdered(index[2], x[2], index[0], x[0], p) == turn;
       if (!is_inside) continue;
-      const Vec3 weights =
-          Vec3(calcCross(x[1], x[2], p), calcCross(x[2], x[0], p), calcCross(x[0], x[1], p)) / doubled;
+      const Vec3 weights = Vec3(calcCross(x[1], x[2], p), calcCross(x[2], x[0], p), calcCross(x[0], x[1], p)) / doubled;
       addLayer(i + pixels_ * j, {weights.dot(depths), triangle, weights, turn < 0, -1}, first_layer);
     }
   }

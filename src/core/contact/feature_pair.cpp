@@ -21,8 +21,7 @@ SurfacePoint SurfacePoint::atVertex(const MovingSurface& surface, int vertex) {
 
 SurfacePoint SurfacePoint::onEdge(const MovingSurface& surface, int edge, double t) {
   const auto& ends = surface.topology().edges()[edge].vertices;
-  return {2, {ends[0], ends[1], 0}, {1 - t, t, 0},
-          (1 - t) * surface.position(ends[0]) + t * surface.position(ends[1])};
+  return {2, {ends[0], ends[1], 0}, {1 - t, t, 0}, (1 - t) * surface.position(ends[0]) + t * surface.position(ends[1])};
 }
 
 SurfacePoint SurfacePoint::onFace(const MovingSurface& surface, int triangle, const Vec3& weights) {

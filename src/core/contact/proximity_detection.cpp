@@ -57,8 +57,10 @@ void ProximityDetection::addSelf(const RegionPairs& regions, ContactList& list) 
   surface_pairs_.addOwnPairs(surface_, regions, list);
 }
 
-void ProximityDetection::addOther(const MovingSurface& other, ContactList& list) {
+bool ProximityDetection::addOther(const MovingSurface& other, ContactList& list) {
+  if (other.topology().vertices() > most_vertices_) return false;
   surface_pairs_.addPairs(surface_, other, kOtherSurface, list);
+  return true;
 }
 
 }  // namespace sinew

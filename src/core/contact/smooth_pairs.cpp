@@ -20,9 +20,9 @@ struct FaceMinimum {
 };
 
 /// The minimum of phi over a triangle: over v in [0, 1] of the minimum over u in [0, 1 - v] of
-/// phi(x0 + u (x1 - x0) + v (x2 - x0)). Both are convex; the derivative of the inner minimum by v is that of phi at fixed
-/// u, and along the side of the triangle where u has reached its end. That needs a smooth phi, as it is outside of the
-/// shape; a triangle that cuts the shape is searched by values.
+/// phi(x0 + u (x1 - x0) + v (x2 - x0)). Both are convex; the derivative of the inner minimum by v is that of phi at
+/// fixed u, and along the side of the triangle where u has reached its end. That needs a smooth phi, as it is outside
+/// of the shape; a triangle that cuts the shape is searched by values.
 class FaceMinimiser {
  public:
   FaceMinimiser(const ObstacleShape& shape, const Vec3& x0, const Vec3& x1, const Vec3& x2)
@@ -163,8 +163,8 @@ void SmoothPairs::seeEdge(int edge) {
          surface_->calcEdgeSlope(edge, normal), surface_->edgeArea(edge));
 }
 
-// phi is convex: it has a minimum inside exactly if it falls inwards where it is smallest on the border. That is never a
-// corner: there phi rises along both edges, and so in between.
+// phi is convex: it has a minimum inside exactly if it falls inwards where it is smallest on the border. That is never
+// a corner: there phi rises along both edges, and so in between.
 bool SmoothPairs::opensInward(int triangle) const {
   const auto& sides = surface_->topology().edgesOf(triangle);
   int lowest = sides[0];

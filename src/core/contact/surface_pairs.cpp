@@ -13,7 +13,8 @@ constexpr double kTie = 1e-6;       // slope, or part of an edge, that counts as
 constexpr double kTouching = 1e-7;  // m below which two points have no direction
 constexpr double kSharp = 0.02;     // sine of the bend from which an edge counts as one
 constexpr double kFar = 1e300;
-constexpr double kMaterialReach = 4;  // times max_depth: what was behind at rest and as near is the other side of a wall
+constexpr double kMaterialReach =
+    4;  // times max_depth: what was behind at rest and as near is the other side of a wall
 
 }  // namespace
 
@@ -166,8 +167,8 @@ void SurfacePairs::seeEdgeEdge(int ea, int eb) {
   if (a_->bend(ea) < kSharp && b_->bend(eb) < kSharp) return;
   const auto& ends_a = a_->topology().edges()[ea].vertices;
   const auto& ends_b = b_->topology().edges()[eb].vertices;
-  const LineMeeting meeting = calcLineMeeting(a_->position(ends_a[0]), a_->position(ends_a[1]),
-                                              b_->position(ends_b[0]), b_->position(ends_b[1]));
+  const LineMeeting meeting = calcLineMeeting(a_->position(ends_a[0]), a_->position(ends_a[1]), b_->position(ends_b[0]),
+                                              b_->position(ends_b[1]));
   const auto isBetween = [](double t) { return t >= -kTie && t <= 1 + kTie; };
   if (meeting.is_parallel || !isBetween(meeting.s) || !isBetween(meeting.t)) return;
   const Vec3 normal = meeting.across.dot(b_->edgeNormal(eb)) > 0 ? meeting.across : Vec3(-meeting.across);

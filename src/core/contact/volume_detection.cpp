@@ -15,7 +15,8 @@ constexpr int kLayersPerPixel = 8;
 constexpr double kSmallest = 1e-9;   // m, an overlap of boxes thinner than that is none
 constexpr double kLeastPart = 0.25;  // of the covered area that counts as overlap where the surface's normals cancel
 
-/// Moves each vertex so that its faces move outwards by `margin`, in the least-squares sense; no farther than twice that.
+/// Moves each vertex so that its faces move outwards by `margin`, in the least-squares sense; no farther than twice
+/// that.
 std::vector<Vec3> calcDilated(const MeshDistance& mesh, double margin) {
   const auto& triangles = mesh.surface().triangles();
   std::vector<Mat3> normal_products(mesh.vertices().size(), 1e-9 * Mat3::Identity());

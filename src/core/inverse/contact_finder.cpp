@@ -29,7 +29,7 @@ std::vector<ObstacleShape> gatherShapes(const RobotModel& robot) {
 struct ContactFinder::Impl {
   const RobotModel& robot;
   ContactList found, list;
-  std::vector<ObstacleState> states;
+  std::vector<ObstacleState> states, before;
   std::unique_ptr<ProximityDetection> proximity;  // null where there is nothing to touch
 
   explicit Impl(const RobotModel& model)
@@ -37,6 +37,7 @@ struct ContactFinder::Impl {
         found(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())),
         list(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())) {
     for (const Obstacle& obstacle : model.obstacles()) states.push_back({obstacle.pose, true});
+    before = states;
     if (model.maxContacts() == 0) return;
     proximity = std::make_unique<ProximityDetection>(makeSettings(model.description().contacts),
                                                      CollisionSurface(model.surface().triangles), model.fem().rest(),
@@ -78,6 +79,7 @@ bool ContactFinder::active() const {
 }
 
 void ContactFinder::setObstacles(const std::vector<ObstacleState>& obstacles) {
+  impl_->before = impl_->states;
   std::copy_n(obstacles.begin(), std::min(obstacles.size(), impl_->states.size()), impl_->states.begin());
 }
 
@@ -106,6 +108,14 @@ ContactFinder::Placed ContactFinder::part(int index) const {
   }
   const Obstacle::Part& part = obstacles[obstacle].parts[index];
   return {&part.shape, impl_->states[obstacle].pose * part.origin, obstacle};
+}
+
+double ContactFinder::calcGapShift(int row) const {
+  const ContactRow& contact = impl_->list.row(row);
+  if (contact.obstacle < 0) return 0;
+  const int obstacle = part(contact.obstacle).obstacle;
+  const Vec3 there = impl_->before[obstacle].pose * (impl_->states[obstacle].pose.inverse() * contact.other_point);
+  return -contact.normal.dot(contact.other_point - there);
 }
 
 const ContactList& ContactFinder::list() const {

@@ -16,7 +16,8 @@ ContactPiece::ContactPiece(int actuators, int effector_rows, int max_contacts)
       factor_(max_contacts, max_contacts),
       answer_(max_contacts, actuators + 1),
       coupling_(actuators + effector_rows + max_contacts, max_contacts),
-      scale_(max_contacts) {
+      scale_(max_contacts),
+      shift_(max_contacts) {
   pressing_.reserve(static_cast<std::size_t>(max_contacts));
   presses_.reserve(static_cast<std::size_t>(max_contacts));
 }
@@ -58,6 +59,16 @@ bool ContactPiece::reduce(const CondensedRobot& robot, const std::vector<char>& 
   reduced_.topRows(rows_).noalias() -= coupling_.topLeftCorner(rows_, p) * answer;
   for (int i = 0; i < p; ++i) reduced_.row(first + pressing_[i]) = -scale_[i] * answer.row(i);
   return true;
+}
+
+void ContactPiece::calcResponse(const VecX& shift, VecX& response) {
+  const int p = pressing_count_;
+  for (int i = 0; i < p; ++i) shift_[i] = scale_[i] * shift[pressing_[i]];
+  auto answer = shift_.head(p);
+  const auto lower = factor_.topLeftCorner(p, p).triangularView<Eigen::Lower>();
+  lower.solveInPlace(answer);
+  lower.transpose().solveInPlace(answer);
+  response.head(firstContact()).noalias() = -coupling_.topLeftCorner(firstContact(), p) * answer;
 }
 
 void ContactPiece::calcContacts(const VecX& effort_change, VecX& force, VecX& gap) const {

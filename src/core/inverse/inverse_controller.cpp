@@ -99,6 +99,7 @@ struct InverseController::Impl {
   VecX linear_displacement;  // m, actuators as the linear problem moves them
   VecX contact_force;        // N, of this cycle's contacts
   VecX contact_gap;          // m
+  VecX gap_shift, drift;     // m, of contacts and rows
   VecX row_motion;           // m, every row
   VecX last_valid_effort;
   StepDamping damping;
@@ -123,6 +124,8 @@ struct InverseController::Impl {
         linear_displacement(VecX::Zero(model->actuatorCount())),
         contact_force(VecX::Zero(model->maxContacts())),
         contact_gap(VecX::Zero(model->maxContacts())),
+        gap_shift(VecX::Zero(model->maxContacts())),
+        drift(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model))),
         row_motion(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model) + model->maxContacts())),
         last_valid_effort(VecX::Zero(model->actuatorCount())) {
     held.mode.assign(static_cast<std::size_t>(actuators()), Actuation::Mode::kDisplacement);
@@ -181,11 +184,14 @@ struct InverseController::Impl {
     return distance;
   }
 
-  // How far the rows would move with efforts as they are: what the last step left.
+  // How far the rows would move with efforts as they are, the moving of obstacles apart: what the last step left.
   double calcDrift() {
-    const int n = actuators(), effectors = piece.firstContact() - n;
-    return std::hypot((piece.value().head(n) - condensed.displacement()).norm(),
-                      piece.value().segment(n, effectors).norm());
+    const int n = actuators(), rows = piece.firstContact();
+    for (int i = 0; i < piece.contacts(); ++i) gap_shift[i] = finder.calcGapShift(i);
+    piece.calcResponse(gap_shift, drift);
+    drift.head(rows) = piece.value().head(rows) - drift.head(rows);
+    drift.head(n) -= condensed.displacement();
+    return drift.head(rows).norm();
   }
 
   double calcDamping(double goal_scale) const {

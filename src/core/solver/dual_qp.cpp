@@ -101,14 +101,20 @@ DualQp::Violation DualQp::findViolation(const QpRows& rows, const QpLimits& limi
   const auto values = values_.head(all);
   auto misses = misses_.head(all);
   misses = (limits.lower.head(all) - values).cwiseMax(values - limits.upper.head(all));
-  for (int k = 0; k < count_; ++k) misses(activeLimit(k)) = 0;
-  for (;;) {
+  // An active limit can only be missed on its other side, where limits cross.
+  for (int k = 0; k < count_; ++k) {
+    const int limit = activeLimit(k);
+    misses(limit) = activeAtLower(k) ? values(limit) - limits.upper(limit) : limits.lower(limit) - values(limit);
+  }
+  while (all > 0) {
     int k = 0;
     const double amount = misses.maxCoeff(&k);
     if (!(amount > kFeasibility)) return {};
-    if (amount > calcTolerance(rows, k)) return {k, values(k) < limits.lower(k) ? 1.0 : -1.0, amount};
+    const bool below = limits.lower(k) - values(k) > values(k) - limits.upper(k);
+    if (amount > calcTolerance(rows, k)) return {k, below ? 1.0 : -1.0, amount};
     misses(k) = 0;
   }
+  return {};
 }
 
 double DualQp::calcTolerance(const QpRows& rows, int limit) const {

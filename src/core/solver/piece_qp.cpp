@@ -33,12 +33,12 @@ PieceAnswer::PieceAnswer(const QpccSizes& capacity) : x(VecX::Zero(capacity.unkn
 
 PieceQp::PieceQp(const QpccSizes& capacity)
     : qp_(capacity.unknowns, capacity.contacts + capacity.rows),
-      elastic_qp_(capacity.unknowns + 1, capacity.contacts + 2 * capacity.rows + 2 * capacity.unknowns),
+      elastic_qp_(capacity.unknowns + 1, 2 * (capacity.contacts + capacity.rows + capacity.unknowns)),
       limits_(capacity.contacts + capacity.rows + capacity.unknowns),
-      elastic_limits_(capacity.contacts + 2 * capacity.rows + 3 * capacity.unknowns + 1),
+      elastic_limits_(2 * (capacity.contacts + capacity.rows) + 3 * capacity.unknowns + 1),
       G_(capacity.unknowns, capacity.unknowns),
       elastic_G_(capacity.unknowns + 1, capacity.unknowns + 1),
-      elastic_map_(capacity.contacts + 2 * capacity.rows + 2 * capacity.unknowns, capacity.unknowns + 2),
+      elastic_map_(2 * (capacity.contacts + capacity.rows + capacity.unknowns), capacity.unknowns + 2),
       g_(capacity.unknowns),
       shifted_(capacity.unknowns),
       elastic_g_(capacity.unknowns + 1) {

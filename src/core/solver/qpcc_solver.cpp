@@ -142,7 +142,7 @@ void QpccSolver::startAtGuess(const QpccGuess& guess) {
   const int n = scaled_.size.unknowns;
   for (int k = 0; k < scaled_.size.contacts; ++k)
     wanted_[static_cast<std::size_t>(k)] =
-        guess.active[static_cast<std::size_t>(scaled_.contact[static_cast<std::size_t>(k)])];
+        guess.active[static_cast<std::size_t>(scaled_.at(k))];
   guess_.head(n) = guess.x.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
   reach_.head(n) = guess.reach.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
   tableau_.moveTo(wanted_);
@@ -283,7 +283,7 @@ void QpccSolver::report(const QpccProblem& p, QpccSolution& solution) const {
   z.setZero();
   g.setZero();
   for (int k = 0; k < scaled_.size.contacts; ++k) {
-    const int i = scaled_.contact[static_cast<std::size_t>(k)];
+    const int i = scaled_.at(k);
     solution.active[static_cast<std::size_t>(i)] = tableau_.isActive(k) ? 1 : 0;
     if (!tableau_.isActive(k)) continue;
     const double force = map_.row(k).head(na).dot(answer.x.head(na)) + map_(k, na);
@@ -291,7 +291,8 @@ void QpccSolver::report(const QpccProblem& p, QpccSolution& solution) const {
   }
   for (int i = 0; i < nc; ++i) {
     if (solution.active[static_cast<std::size_t>(i)]) continue;
-    g(i) = std::max(0.0, p.C_a.row(i).head(na).dot(x) + p.C_c.row(i).head(nc).dot(z) + p.c(i));
+    g(i) = p.C_a.row(i).head(na).dot(x) + p.C_c.row(i).head(nc).dot(z) + p.c(i);
+    if (p.C_c(i, i) > 0) g(i) = std::max(0.0, g(i));
   }
 
   double sum = 0;

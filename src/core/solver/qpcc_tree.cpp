@@ -34,6 +34,7 @@ QpccTree::Outcome QpccTree::explore(const ScaledQpcc& problem, SearchBudget& bud
 /// Of a node's QP, without the constant.
 double QpccTree::cutoff() const {
   const double best = guide_->bestObjective();
+  if (!std::isfinite(best)) return best;
   return best - kPrune * std::abs(best) - (1 + kNegligible) * relaxation_.constant() + slack_;
 }
 
@@ -59,7 +60,7 @@ bool QpccTree::explore(int depth) {
     // The relaxed point is one of the QPCC: the descent must have found its value.
     const double gain = guide_->bestObjective() - (node.value() + relaxation_.constant());
     const double tolerance = kUnexplained * std::abs(guide_->bestObjective()) + 1e-9 * relaxation_.constant();
-    if (!cut && !(gain <= tolerance)) doubtful_ = true;
+    if (!cut && !(std::isfinite(gain) && gain <= tolerance)) doubtful_ = true;
     return true;
   }
   if (cut) return true;

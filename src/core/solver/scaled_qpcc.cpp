@@ -43,13 +43,19 @@ ScaledQpcc::ScaledQpcc(const QpccSizes& capacity)
       contact(static_cast<std::size_t>(capacity.contacts), 0),
       contact_unit(capacity.contacts),
       unknown_unit(capacity.unknowns),
-      row_scale(capacity.rows),
-      merged_(static_cast<std::size_t>(capacity.contacts), 0) {}
+      row_scale(capacity.contacts + capacity.rows),
+      merged_(static_cast<std::size_t>(capacity.contacts), 0),
+      motion_(capacity.unknowns) {
+  rigid_.reserve(static_cast<std::size_t>(capacity.contacts));
+}
 
 void ScaledQpcc::update(const QpccProblem& problem) {
   size = problem.size;
   updateContacts(problem);
-  updateUnits(problem);
+  updateContactUnits(problem);
+  updateEffectorScale(problem);
+  updateUnknownUnits(problem);
+  updateRowScales(problem);
   updateMagnitude(problem);
   fillTable(problem);
   fillLimits(problem);
@@ -57,13 +63,18 @@ void ScaledQpcc::update(const QpccProblem& problem) {
 
 void ScaledQpcc::updateContacts(const QpccProblem& problem) {
   std::fill(merged_.begin(), merged_.end(), 0);
+  rigid_.clear();
   size.contacts = 0;
   for (int i = 0; i < problem.size.contacts; ++i) {
-    if (isCovered(problem, i))
+    if (!(problem.C_c(i, i) > 0)) {
+      if (!problem.C_a.row(i).head(size.unknowns).isZero(0)) rigid_.push_back(i);
+    } else if (isCovered(problem, i)) {
       merged_[static_cast<std::size_t>(i)] = 1;
-    else
+    } else {
       contact[static_cast<std::size_t>(size.contacts++)] = i;
+    }
   }
+  size.rows = problem.size.rows + static_cast<int>(rigid_.size());
 }
 
 /// Whether contact i is k > 0 times another one that stays, with a gap no larger.
@@ -71,7 +82,6 @@ bool ScaledQpcc::isCovered(const QpccProblem& problem, int i) const {
   const auto& p = problem;
   const int n = p.size.contacts;
   const double C_ii = p.C_c(i, i);
-  if (!(C_ii > 0)) return false;
   for (int j = 0; j < n; ++j) {
     const double C_jj = p.C_c(j, j);
     const double C_ij = p.C_c(j, i);
@@ -95,49 +105,56 @@ bool ScaledQpcc::isCovered(const QpccProblem& problem, int i) const {
   return false;
 }
 
-void ScaledQpcc::updateUnits(const QpccProblem& problem) {
-  const int na = size.unknowns;
-  const int ne = size.effectors;
-  const int nr = size.rows;
-  unknown_unit.head(na).setZero();  // first the largest motion that a unit of x causes
-  double effector_motion = 0;       // largest that a unit of z causes
-  for (int k = 0; k < size.contacts; ++k) {
-    const int i = contact[static_cast<std::size_t>(k)];
-    const double diagonal = problem.C_c(i, i);
-    const double motion = na > 0 ? problem.C_a.row(i).head(na).cwiseAbs().maxCoeff() : 0;
-    contact_unit(k) = diagonal > 0 ? inverseOrOne(std::sqrt(diagonal)) : inverseOrOne(motion);
-    for (int j = 0; j < na; ++j)
-      unknown_unit(j) = std::max(unknown_unit(j), contact_unit(k) * std::abs(problem.C_a(i, j)));
-    if (ne > 0)
-      effector_motion = std::max(effector_motion, contact_unit(k) * problem.E_c.col(i).head(ne).cwiseAbs().maxCoeff());
-  }
-  for (int j = 0; j < na && effector_motion == 0; ++j) {
-    const double E_j = ne > 0 ? problem.E_a.col(j).head(ne).norm() : 0;
-    effector_motion = unknown_unit(j) > 0 ? E_j / unknown_unit(j) : E_j;
-  }
-  effector_scale = inverseOrOne(effector_motion);
-  for (int j = 0; j < na; ++j) {
-    const double E_j = ne > 0 ? problem.E_a.col(j).head(ne).norm() : 0;
-    const double A_j = nr > 0 ? problem.A_a.col(j).head(nr).cwiseAbs().maxCoeff() : 0;
-    const double curvature = effector_scale * std::hypot(E_j, std::sqrt(std::max(0.0, problem.Q(j, j))));
-    unknown_unit(j) = std::max(unknown_unit(j), curvature);
-    unknown_unit(j) = inverseOrOne(unknown_unit(j) > 0 ? unknown_unit(j) : A_j);
-  }
-  for (int r = 0; r < nr; ++r) {
-    double motion = 0;
-    for (int j = 0; j < na; ++j) motion = std::max(motion, unknown_unit(j) * std::abs(problem.A_a(r, j)));
+void ScaledQpcc::updateContactUnits(const QpccProblem& problem) {
+  for (int k = 0; k < size.contacts; ++k) contact_unit(k) = inverseOrOne(std::sqrt(problem.C_c(at(k), at(k))));
+  for (int j = 0; j < size.unknowns; ++j) {
+    motion_(j) = 0;
     for (int k = 0; k < size.contacts; ++k)
-      motion = std::max(motion, contact_unit(k) * std::abs(problem.A_c(r, contact[static_cast<std::size_t>(k)])));
-    row_scale(r) = inverseOrOne(motion);
+      motion_(j) = std::max(motion_(j), contact_unit(k) * std::abs(problem.C_a(at(k), j)));
+  }
+}
+
+/// From what contact forces do to the effectors, or else from what x does to both.
+void ScaledQpcc::updateEffectorScale(const QpccProblem& problem) {
+  const int ne = size.effectors;
+  double largest = 0;
+  for (int k = 0; k < size.contacts && ne > 0; ++k)
+    largest = std::max(largest, contact_unit(k) * problem.E_c.col(at(k)).head(ne).cwiseAbs().maxCoeff());
+  for (int j = 0; j < size.unknowns && largest == 0 && ne > 0; ++j)
+    largest = problem.E_a.col(j).head(ne).norm() / (motion_(j) > 0 ? motion_(j) : 1);
+  effector_scale = inverseOrOne(largest);
+}
+
+void ScaledQpcc::updateUnknownUnits(const QpccProblem& problem) {
+  for (int j = 0; j < size.unknowns; ++j) {
+    const double error = problem.E_a.col(j).head(size.effectors).norm();
+    const double curvature = effector_scale * std::hypot(error, std::sqrt(std::max(0.0, problem.Q(j, j))));
+    double largest = std::max(motion_(j), curvature);
+    for (int r = 0; r < problem.size.rows && largest == 0; ++r) largest = std::abs(problem.A_a(r, j));
+    unknown_unit(j) = inverseOrOne(largest);
+  }
+}
+
+void ScaledQpcc::updateRowScales(const QpccProblem& problem) {
+  for (int r = 0; r < size.rows; ++r) {
+    const int rigid = r - problem.size.rows;
+    double largest = 0;
+    for (int j = 0; j < size.unknowns; ++j) {
+      const double entry = rigid < 0 ? problem.A_a(r, j) : problem.C_a(rigid_[static_cast<std::size_t>(rigid)], j);
+      largest = std::max(largest, unknown_unit(j) * std::abs(entry));
+    }
+    for (int k = 0; k < size.contacts && rigid < 0; ++k)
+      largest = std::max(largest, contact_unit(k) * std::abs(problem.A_c(r, at(k))));
+    row_scale(r) = inverseOrOne(largest);
   }
 }
 
 void ScaledQpcc::updateMagnitude(const QpccProblem& problem) {
   double largest = 0;
   for (int k = 0; k < size.contacts; ++k)
-    largest = std::max(largest, contact_unit(k) * std::abs(problem.c(contact[static_cast<std::size_t>(k)])));
+    largest = std::max(largest, contact_unit(k) * std::abs(problem.c(at(k))));
   for (int r = 0; r < size.effectors; ++r) largest = std::max(largest, effector_scale * std::abs(problem.e(r)));
-  for (int r = 0; r < size.rows; ++r) {
+  for (int r = 0; r < problem.size.rows; ++r) {
     for (const double limit : {problem.row_lower(r), problem.row_upper(r)})
       if (largest == 0 && std::isfinite(limit)) largest = row_scale(r) * std::abs(limit - problem.a(r));
   }
@@ -147,18 +164,18 @@ void ScaledQpcc::updateMagnitude(const QpccProblem& problem) {
 void ScaledQpcc::fillTable(const QpccProblem& problem) {
   const int na = size.unknowns;
   const int nc = size.contacts;
-  const int nr = size.rows;
+  const int nr = problem.size.rows;
   const int ne = size.effectors;
   const auto fill = [&](int column, const auto& C, const auto& A, const auto& E, double unit) {
     auto out = table.col(column);
-    for (int k = 0; k < nc; ++k) out(k) = C(contact[static_cast<std::size_t>(k)]) * (contact_unit(k) * unit);
+    for (int k = 0; k < nc; ++k) out(k) = C(at(k)) * (contact_unit(k) * unit);
     out.segment(nc, nr) = A.head(nr).cwiseProduct(row_scale.head(nr)) * unit;
-    out.segment(nc + nr, ne) = E.head(ne) * (effector_scale * unit);
+    for (int r = nr; r < size.rows; ++r)
+      out(nc + r) = C(rigid_[static_cast<std::size_t>(r - nr)]) * (row_scale(r) * unit);
+    out.segment(limitedRows(), ne) = E.head(ne) * (effector_scale * unit);
   };
-  for (int k = 0; k < nc; ++k) {
-    const int i = contact[static_cast<std::size_t>(k)];
-    fill(k, problem.C_c.col(i), problem.A_c.col(i), problem.E_c.col(i), contact_unit(k));
-  }
+  for (int k = 0; k < nc; ++k)
+    fill(k, problem.C_c.col(at(k)), problem.A_c.col(at(k)), problem.E_c.col(at(k)), contact_unit(k));
   for (int j = 0; j < na; ++j)
     fill(nc + j, problem.C_a.col(j), problem.A_a.col(j), problem.E_a.col(j), unknown_unit(j));
   fill(nc + na, problem.c, problem.a, problem.e, 1 / magnitude);
@@ -172,9 +189,9 @@ void ScaledQpcc::fillTable(const QpccProblem& problem) {
 void ScaledQpcc::fillLimits(const QpccProblem& problem) {
   const int na = size.unknowns;
   const int nc = size.contacts;
-  const int nr = size.rows;
-  row_lower.head(nc).setZero();
-  row_upper.head(nc).setConstant(kInfinity);
+  const int nr = problem.size.rows;
+  row_lower.head(limitedRows()).setZero();
+  row_upper.head(limitedRows()).setConstant(kInfinity);
   row_lower.segment(nc, nr) = problem.row_lower.head(nr).cwiseProduct(row_scale.head(nr)) / magnitude;
   row_upper.segment(nc, nr) = problem.row_upper.head(nr).cwiseProduct(row_scale.head(nr)) / magnitude;
   const auto unit = magnitude * unknown_unit.head(na);
