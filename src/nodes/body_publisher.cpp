@@ -17,6 +17,8 @@ BodyPublisher::Snapshot BodyPublisher::makeSnapshot(const RobotModel& robot) {
   }
   snapshot.effort = VecX::Zero(robot.actuatorCount());
   snapshot.effectors = VecX::Zero(3 * robot.effectorCount());
+  snapshot.contacts.resize(static_cast<std::size_t>(robot.maxContacts()));
+  snapshot.obstacles.resize(robot.obstacles().size());
   return snapshot;
 }
 
@@ -24,7 +26,12 @@ BodyPublisher::BodyPublisher(ros::NodeHandle node, std::shared_ptr<const RobotMo
     : robot_(std::move(robot)),
       newest_(makeSnapshot(*robot_)),
       message_(makeBodyMessage(*robot_)),
-      publisher_(node.advertise<BodyState>("body_state", 1)) {
+      obstacles_(makeObstaclesMessage(*robot_)),
+      part_owners_(listPartOwners(*robot_)),
+      publisher_(node.advertise<BodyState>("body_state", 1)),
+      contacts_publisher_(node.advertise<ContactArray>("contacts", 1)),
+      obstacles_publisher_(node.advertise<TrackedObstacles>("obstacles", 1)) {
+  contacts_.header.frame_id = robot_->description().frame;
   for (const EffectorDescription& effector : robot_->description().effectors) {
     geometry_msgs::TransformStamped frame;
     frame.header.frame_id = robot_->description().frame;
@@ -43,7 +50,8 @@ BodyPublisher::~BodyPublisher() {
   sem_destroy(&handed_);
 }
 
-void BodyPublisher::hand(const InverseController& controller, const CycleOutput& output, const ros::Time& stamp) {
+void BodyPublisher::hand(const InverseController& controller, const CycleInput& input, const CycleOutput& output,
+                         const ros::Time& stamp) {
   Snapshot& snapshot = newest_.back();
   snapshot.stamp = stamp;
   const std::vector<int>& surface = robot_->surface().nodes;
@@ -54,6 +62,13 @@ void BodyPublisher::hand(const InverseController& controller, const CycleOutput&
   }
   snapshot.effort = output.effort;
   snapshot.effectors = output.effectors;
+  const ContactList& contacts = controller.contacts();
+  snapshot.contact_count = static_cast<std::size_t>(std::min(contacts.size(), output.contacts.count));
+  for (std::size_t i = 0; i < snapshot.contact_count; ++i) {
+    const auto row = static_cast<int>(i);
+    snapshot.contacts[i] = {contacts.row(row), output.contacts.force[row], output.contacts.gap[row]};
+  }
+  snapshot.obstacles = input.obstacles;
   newest_.publish();
   sem_post(&handed_);
 }
@@ -64,6 +79,8 @@ void BodyPublisher::run() {
     if (!newest_.update()) continue;
     publishBody(newest_.front());
     publishFrames(newest_.front());
+    publishContacts(newest_.front());
+    publishObstacles(newest_.front());
   }
 }
 
@@ -91,6 +108,24 @@ void BodyPublisher::publishFrames(const Snapshot& snapshot) {
     frames_[i].transform.translation.z = position.z();
   }
   broadcaster_.sendTransform(frames_);
+}
+
+void BodyPublisher::publishContacts(const Snapshot& snapshot) {
+  if (contacts_publisher_.getNumSubscribers() == 0) return;
+  contacts_.header.stamp = snapshot.stamp;
+  contacts_.contacts.clear();
+  for (std::size_t i = 0; i < snapshot.contact_count; ++i) {
+    const PressedContact& contact = snapshot.contacts[i];
+    contacts_.contacts.push_back(makeContactMessage(contact.row, contact.force, contact.gap, part_owners_));
+  }
+  contacts_publisher_.publish(contacts_);
+}
+
+void BodyPublisher::publishObstacles(const Snapshot& snapshot) {
+  if (snapshot.obstacles.empty() || obstacles_publisher_.getNumSubscribers() == 0) return;
+  obstacles_.header.stamp = snapshot.stamp;
+  updateObstaclesMessage(snapshot.obstacles, obstacles_);
+  obstacles_publisher_.publish(obstacles_);
 }
 
 }  // namespace sinew

@@ -2,10 +2,12 @@
 
 #include <ros/node_handle.h>
 #include <semaphore.h>
+#include <sinew/ContactArray.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <atomic>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -15,7 +17,8 @@
 
 namespace sinew {
 
-/// Publishes the deformed shape as `body_state`, and the frames `effector_<name>`, from a thread of its own.
+/// Publishes the deformed shape as `body_state`, what it touches as `contacts`, where the controller believes the
+/// obstacles to be as `obstacles`, and the frames `effector_<name>`, from a thread of its own.
 class BodyPublisher {
  public:
   BodyPublisher(ros::NodeHandle node, std::shared_ptr<const RobotModel> robot);
@@ -23,28 +26,42 @@ class BodyPublisher {
   BodyPublisher(const BodyPublisher&) = delete;
   BodyPublisher& operator=(const BodyPublisher&) = delete;
 
-  /// Takes a copy of the controller's present shape. Cycle thread: neither waits nor allocates.
-  void hand(const InverseController& controller, const CycleOutput& output, const ros::Time& stamp);
+  /// Takes a copy of the controller's present shape and contacts. Cycle thread: neither waits nor allocates.
+  void hand(const InverseController& controller, const CycleInput& input, const CycleOutput& output,
+            const ros::Time& stamp);
 
  private:
+  struct PressedContact {
+    ContactRow row;
+    double force;  ///< N
+    double gap;    ///< m
+  };
   struct Snapshot {
     ros::Time stamp;
     std::vector<Vec3> nodes;                ///< m, those of the surface
     std::vector<std::vector<Vec3>> cables;  ///< m
     VecX effort;                            ///< N
     VecX effectors;                         ///< m
+    std::vector<PressedContact> contacts;   ///< room for all; the leading `contact_count` count
+    std::size_t contact_count = 0;
+    std::vector<ObstacleState> obstacles;
   };
 
   static Snapshot makeSnapshot(const RobotModel& robot);
   void run();
   void publishBody(const Snapshot& snapshot);
   void publishFrames(const Snapshot& snapshot);
+  void publishContacts(const Snapshot& snapshot);
+  void publishObstacles(const Snapshot& snapshot);
 
   std::shared_ptr<const RobotModel> robot_;
   NewestWins<Snapshot> newest_;
   BodyState message_;
+  ContactArray contacts_;
+  TrackedObstacles obstacles_;
+  std::vector<std::string> part_owners_;
   std::vector<geometry_msgs::TransformStamped> frames_;
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, contacts_publisher_, obstacles_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   sem_t handed_;
   std::atomic<bool> stop_{false};

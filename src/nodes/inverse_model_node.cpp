@@ -46,6 +46,14 @@ void reportRefusals(const std::string& what, const RefusalLog& log, std::uint64_
   reported = total;
 }
 
+std::vector<std::string> makeLostWords(const RobotModel& robot) {
+  std::vector<std::string> words;
+  for (const Obstacle& obstacle : robot.obstacles()) {
+    words.push_back("held: obstacle '" + obstacle.name + "' is lost, its tracker is silent");
+  }
+  return words;
+}
+
 std::string inMillimetres(double length) {
   std::ostringstream stream;
   stream << 1e3 * length << " mm";
@@ -58,6 +66,8 @@ InverseModelNode::Settings::Settings(const Parameters& parameters)
     : rate(parameters.numberOr("rate", 100, 1, 2000)),
       body_state_rate(parameters.numberOr("body_state_rate", 30, 0.1, 1000)),
       driver_timeout(parameters.numberOr("driver_timeout", 0.5, 0.01, 60)),
+      transform_tolerance(parameters.numberOr("transform_tolerance", 0.1, 0.0, 1e6)),
+      obstacles(ObstacleInbox::Settings::read(parameters)),
       require_driver(parameters.flagOr("require_driver", true)),
       auto_enable(parameters.flagOr("auto_enable", false)),
       priority(parameters.integerOr("priority", kCyclePriority, 1, 98)) {}
@@ -66,7 +76,9 @@ InverseModelNode::InverseModelNode(ros::NodeHandle node, ros::NodeHandle private
     : node_(node),
       settings_(Parameters(private_node)),
       robot_(std::make_shared<RobotModel>(readRobotDescription(Parameters(private_node).text("robot")))),
-      targets_(node, Parameters(private_node), robot_),
+      frames_(node, robot_->description().frame, settings_.transform_tolerance),
+      targets_(node, Parameters(private_node), robot_, frames_),
+      obstacles_(node, "tracked_obstacles", settings_.obstacles, robot_, frames_),
       actuators_(node, robot_),
       body_(node, robot_),
       controller_(robot_),
@@ -79,6 +91,7 @@ InverseModelNode::InverseModelNode(ros::NodeHandle node, ros::NodeHandle private
       statistics_(kStages, static_cast<int>(settings_.rate)),
       command_(makeCommandMessage(*robot_)),
       state_(makeStateMessage(*robot_)),
+      lost_words_(makeLostWords(*robot_)),
       body_divider_(calcDivider(settings_.rate, settings_.body_state_rate)),
       statistics_divider_(calcDivider(settings_.rate, 1 / kStatisticsPeriod)),
       command_publisher_(node.advertise<ActuatorCommand>("actuator_command", 1)),
@@ -87,10 +100,12 @@ InverseModelNode::InverseModelNode(ros::NodeHandle node, ros::NodeHandle private
       diagnostics_(node, private_node) {
   for (const std::string& warning : robot_->warnings()) ROS_WARN_STREAM(robot_->description().name << ": " << warning);
   input_.period = 1 / settings_.rate;
+  for (const Obstacle& obstacle : robot_->obstacles()) input_.obstacles.push_back({obstacle.pose, true});
 
   diagnostics_.setHardwareID(robot_->description().name);
   diagnostics_.add("control", this, &InverseModelNode::reportControl);
   diagnostics_.add("inputs", this, &InverseModelNode::reportInputs);
+  if (!obstacles_.report().empty()) diagnostics_.add("obstacles", this, &InverseModelNode::reportObstacles);
   reported_at_ = steadyNow();
 
   private_node.setCallbackQueue(&service_queue_);
@@ -130,6 +145,7 @@ void InverseModelNode::runCycle(double begin) {
   granted_.store(mode, std::memory_order_release);
 
   readInbox();
+  if (mode != Mode::kParked) updateObstacles();
   switch (mode) {
     case Mode::kControlling:
       control();
@@ -154,7 +170,7 @@ void InverseModelNode::runCycle(double begin) {
   if (end - wake_up_.scheduled() > wake_up_.period()) ++deadline_misses_;
 
   if (cycle_ % statistics_divider_ == 0) statistics_.update();
-  if (mode != Mode::kParked && cycle_ % body_divider_ == 0) body_.hand(controller_, output_, stamp);
+  if (mode != Mode::kParked && cycle_ % body_divider_ == 0) body_.hand(controller_, input_, output_, stamp);
   publishState(stamp);
   updateSummary();
 }
@@ -175,7 +191,9 @@ void InverseModelNode::follow() {
       followed_[i] += std::max(-step, std::min(step, reading.measured[i] - followed_[i]));
     }
   }
-  controller_.follow(followed_, input_.period, output_);
+  std::fill(input_.targeted.begin(), input_.targeted.end(), false);
+  input_.applied = followed_;
+  controller_.step(input_, output_);  // without a target it follows, and knows where the obstacles are
   rest(disabled_reason_.load(std::memory_order_acquire));
 }
 
@@ -194,9 +212,14 @@ void InverseModelNode::control() {
     return;
   }
   updateTargets();
-  if (with_driver_) input_.applied = applied_.applied();
+  if (with_driver_) {
+    input_.applied = applied_.applied();
+  } else {
+    input_.applied.resize(0);
+  }
   controller_.step(input_, output_);
   holdIfNotFinite();
+  if (lost_ >= 0) holdForObstacle();
   last_command_ = output_.displacement;
   followed_ = last_command_;
   applied_.addCommand(++sequence_, last_command_);
@@ -204,15 +227,29 @@ void InverseModelNode::control() {
   state_.status = output_.status == CycleStatus::kSolved     ? ControllerState::TRACKING
                   : output_.status == CycleStatus::kDegraded ? ControllerState::DEGRADED
                                                              : ControllerState::HELD;
-  state_.reason = describe(output_);
+  state_.reason = lost_ >= 0 ? lost_words_[static_cast<std::size_t>(lost_)].c_str() : describe(output_);
 }
 
 void InverseModelNode::updateTargets() {
   targets_.newest().update();
   const TargetSet& targets = targets_.newest().front();
-  const bool current = targets.epoch == targets_.epoch();
+  const bool current = targets.epoch == targets_.epoch() && lost_ < 0;
   for (std::size_t i = 0; i < input_.targeted.size(); ++i) input_.targeted[i] = current && targets.targeted[i];
   input_.targets = targets.positions;
+}
+
+// Where they will be when the command of this cycle has been carried out.
+void InverseModelNode::updateObstacles() {
+  obstacles_.newest().update();
+  obstacles_.predict(last_begin_ + input_.period, input_.obstacles);
+  lost_ = obstacles_.findLost(last_begin_);
+}
+
+// The model has followed what is applied, without a target, so that the robot stands still.
+void InverseModelNode::holdForObstacle() {
+  if (output_.status == CycleStatus::kHeld) return;
+  output_.status = CycleStatus::kHeld;
+  output_.reason = HoldReason::kNone;
 }
 
 const char* InverseModelNode::findReasonToStop() {
@@ -273,6 +310,9 @@ void InverseModelNode::updateInputStamps() {
   const TargetSet& targets = targets_.newest().front();
   for (std::size_t i = 0; i < input_.targeted.size(); ++i) {
     if (input_.targeted[i]) add(targets_.topics()[static_cast<std::size_t>(targets.topic[i])], targets.source[i]);
+  }
+  for (const ObstacleSighting& sighting : obstacles_.newest().front()) {
+    if (sighting.receipt >= 0) add(obstacles_.topic(), sighting.source);
   }
   const ActuatorReading& reading = actuators_.newest().front();
   if (reading.receipt >= 0) add(actuators_.topic(), reading.source);
@@ -372,12 +412,14 @@ std::string InverseModelNode::findReasonNotToEnable(const ActuatorReading& readi
 // Moves the parked model to the measurement and tries the first command, with every effector free, on the spot: what
 // would move the robot on enabling is found out before anything is sent.
 std::string InverseModelNode::resynchronise(const VecX& measured) {
+  std::fill(input_.targeted.begin(), input_.targeted.end(), false);
+  input_.applied = followed_;
+  controller_.step(input_, output_);  // so that it knows where the obstacles are
   const double difference = controller_.resynchronise(measured);
   if (!std::isfinite(difference)) return "the model finds no equilibrium at the measured displacements";
   if (difference > kFirstCommandTolerance) {
     return "the model comes no nearer to the measured displacements than " + inMillimetres(difference);
   }
-  std::fill(input_.targeted.begin(), input_.targeted.end(), false);
   input_.applied = with_driver_ ? measured : VecX();
   if (controller_.step(input_, output_) == CycleStatus::kHeld) return describe(output_);
   followed_ = measured;
@@ -441,6 +483,7 @@ void InverseModelNode::reportControl(diagnostic_updater::DiagnosticStatusWrapper
   status.add("deadline misses", now.deadline_misses);
   status.add("held: not finite", now.held[static_cast<std::size_t>(HoldReason::kNotFinite)]);
   status.add("held: not positive definite", now.held[static_cast<std::size_t>(HoldReason::kNotPositiveDefinite)]);
+  status.add("held: obstacle lost", now.held[static_cast<std::size_t>(HoldReason::kNone)]);
   status.add("held: quadratic program", now.held[static_cast<std::size_t>(HoldReason::kQpFailed)]);
   reported_ = now;
   reported_at_ = time;
@@ -451,10 +494,32 @@ void InverseModelNode::reportInputs(diagnostic_updater::DiagnosticStatusWrapper&
   status.summary(DiagnosticStatus::OK, "no message refused");
   reportRefusals("targets", targets_.refusals(), reported_target_refusals_, status);
   reportRefusals("actuator state", actuators_.refusals(), reported_driver_refusals_, status);
+  reportRefusals("obstacles", obstacles_.refusals(), reported_obstacle_refusals_, status);
   status.add("targets accepted", targets_.accepted());
+  status.add("obstacles accepted", obstacles_.accepted());
   const ActuatorReading reading = actuators_.latest();
   status.add("driver", reading.receipt < 0 ? "nothing heard" : nameOfDriverState(reading.driver_state));
   status.addf("driver state age [s]", "%.3f", reading.receipt < 0 ? -1.0 : steadyNow() - reading.receipt);
+}
+
+void InverseModelNode::reportObstacles(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  status.summary(DiagnosticStatus::OK, "every obstacle is where it is thought to be");
+  std::uint64_t outliers = 0;
+  for (const ObstacleInbox::Report& report : obstacles_.report()) {
+    const char* const state = !report.heard     ? "not heard of, taken to be where the robot's description says"
+                              : report.lost     ? "lost"
+                              : !report.present ? "absent"
+                                                : "present";
+    if (!report.heard) status.mergeSummary(DiagnosticStatus::WARN, "obstacle '" + report.name + "' is not heard of");
+    if (report.lost) status.mergeSummary(DiagnosticStatus::ERROR, "obstacle '" + report.name + "' is lost");
+    status.add(report.name, state);
+    status.addf(report.name + " age [s]", "%.3f", report.age);
+    status.add(report.name + " outliers", report.outliers);
+    outliers += report.outliers;
+  }
+  if (outliers > reported_outliers_) status.mergeSummary(DiagnosticStatus::WARN, obstacles_.lastOutlier());
+  reported_outliers_ = outliers;
 }
 
 }  // namespace sinew

@@ -15,6 +15,8 @@
 #include "applied_estimate.h"
 #include "body_publisher.h"
 #include "callback_thread.h"
+#include "frame_finder.h"
+#include "obstacle_inbox.h"
 #include "parameters.h"
 #include "real_time.h"
 #include "sinew/inverse/inverse_controller.h"
@@ -45,9 +47,11 @@ class InverseModelNode {
 
   struct Settings {
     explicit Settings(const Parameters& parameters);
-    double rate;             // Hz
-    double body_state_rate;  // Hz
-    double driver_timeout;   // s
+    double rate;                 // Hz
+    double body_state_rate;      // Hz
+    double driver_timeout;       // s
+    double transform_tolerance;  // s
+    ObstacleInbox::Settings obstacles;
     bool require_driver;
     bool auto_enable;
     int priority;
@@ -57,7 +61,7 @@ class InverseModelNode {
   struct Summary {
     std::uint8_t status = ControllerState::DISABLED;
     std::uint64_t cycle = 0, deadline_misses = 0;
-    std::array<std::uint64_t, 4> held{};  ///< cycles held, by HoldReason
+    std::array<std::uint64_t, 4> held{};  ///< cycles held, by HoldReason; none: for a lost obstacle
     double median = 0, maximum = 0;       ///< s, of a whole cycle over the last second
   };
 
@@ -69,6 +73,8 @@ class InverseModelNode {
   void control();
   void readInbox();
   void updateTargets();
+  void updateObstacles();
+  void holdForObstacle();
   const char* findReasonToStop();
   bool isDriverFresh(const ActuatorReading& reading, double now) const;
   void holdIfNotFinite();
@@ -93,11 +99,14 @@ class InverseModelNode {
   void waitUntilParked(bool parked) const;
   void reportControl(diagnostic_updater::DiagnosticStatusWrapper& status);
   void reportInputs(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void reportObstacles(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle node_;
   Settings settings_;
   std::shared_ptr<const RobotModel> robot_;
+  FrameFinder frames_;
   TargetInbox targets_;
+  ObstacleInbox obstacles_;
   ActuatorInbox actuators_;
   BodyPublisher body_;
 
@@ -122,7 +131,9 @@ class InverseModelNode {
   StageStatistics statistics_;
   ActuatorCommand command_;
   ControllerState state_;
-  double last_begin_ = -1;  // s, steady
+  std::vector<std::string> lost_words_;  // per obstacle
+  int lost_ = -1;                        // obstacle, -1 for none
+  double last_begin_ = -1;               // s, steady
   std::uint64_t cycle_ = 0, deadline_misses_ = 0;
   std::array<std::uint64_t, 4> held_{};
   std::uint64_t body_divider_, statistics_divider_;
@@ -136,6 +147,7 @@ class InverseModelNode {
   Summary reported_;        // as of the last diagnostics
   double reported_at_ = 0;  // s, steady
   std::uint64_t reported_target_refusals_ = 0, reported_driver_refusals_ = 0;
+  std::uint64_t reported_obstacle_refusals_ = 0, reported_outliers_ = 0;
   std::string refused_to_enable_;
   ros::ServiceServer enable_service_, disable_service_, reset_service_;
   ros::SteadyTimer auto_enable_timer_, diagnostics_timer_;

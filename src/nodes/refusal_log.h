@@ -8,8 +8,19 @@
 namespace sinew {
 
 /// Why a message is refused as a whole.
-enum class RefusalReason { kWrongSize, kUnknownName, kDuplicateName, kNotFinite, kUnknownFrame, kStamp, kJump, kMode };
-constexpr std::size_t kRefusalReasons = 8;
+enum class RefusalReason {
+  kWrongSize,
+  kUnknownName,
+  kDuplicateName,
+  kNotFinite,
+  kUnknownFrame,
+  kStamp,
+  kJump,
+  kMode,
+  kNotTracked,
+  kOrientation
+};
+constexpr std::size_t kRefusalReasons = 10;
 
 /// The reason as a word of the diagnostics: `not_finite`.
 const char* nameOf(RefusalReason reason);

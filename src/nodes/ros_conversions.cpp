@@ -10,7 +10,8 @@ namespace sinew {
 
 namespace {
 
-constexpr std::array<const char*, kStages> kStageNames = {"assembly", "factor", "compliance", "qp", "advance", "cycle"};
+constexpr std::array<const char*, kStages> kStageNames = {"assembly", "factor",  "detection", "compliance",
+                                                          "qp",       "advance", "cycle"};
 
 std::string quote(const std::string& name) {
   return "'" + name + "'";
@@ -35,6 +36,26 @@ std::optional<Refusal> checkNames(const std::vector<std::string>& names, const c
 
 bool isFinite(const geometry_msgs::Point& point) {
   return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+}
+
+bool isFinite(const geometry_msgs::Quaternion& q) {
+  return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
+}
+
+Eigen::Quaterniond toQuaternion(const geometry_msgs::Quaternion& q) {
+  return Eigen::Quaterniond(q.w, q.x, q.y, q.z);
+}
+
+std::optional<Refusal> checkPose(const geometry_msgs::Pose& pose, const std::string& name) {
+  constexpr double kTolerance = 0.01;  // of a quaternion's length, written with few digits
+  if (!isFinite(pose.position) || !isFinite(pose.orientation)) {
+    return Refusal{RefusalReason::kNotFinite, "the pose of obstacle " + quote(name) + " is not finite"};
+  }
+  if (std::abs(toQuaternion(pose.orientation).norm() - 1) > kTolerance) {
+    return Refusal{RefusalReason::kOrientation,
+                   "the orientation of obstacle " + quote(name) + " is no quaternion of length 1"};
+  }
+  return std::nullopt;
 }
 
 std::optional<Refusal> checkSizes(const ActuatorState& message, std::size_t count) {
@@ -70,7 +91,8 @@ std::uint8_t toStatus(CycleStatus status) {
 
 const char* nameOf(RefusalReason reason) {
   constexpr std::array<const char*, kRefusalReasons> kNames = {
-      "wrong_size", "unknown_name", "duplicate_name", "not_finite", "unknown_frame", "stamp", "jump", "mode"};
+      "wrong_size", "unknown_name", "duplicate_name", "not_finite",  "unknown_frame",
+      "stamp",      "jump",         "mode",           "not_tracked", "orientation"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 
@@ -92,6 +114,24 @@ geometry_msgs::Point32 toPoint32(const Vec3& position) {
 
 Vec3 toVec3(const geometry_msgs::Point& point) {
   return Vec3(point.x, point.y, point.z);
+}
+
+geometry_msgs::Pose toPoseMessage(const Pose& pose) {
+  const Eigen::Quaterniond turn(pose.linear());
+  geometry_msgs::Pose message;
+  message.position = toPoint(pose.translation());
+  message.orientation.w = turn.w();
+  message.orientation.x = turn.x();
+  message.orientation.y = turn.y();
+  message.orientation.z = turn.z();
+  return message;
+}
+
+Pose toPose(const geometry_msgs::Pose& message) {
+  Pose pose = Pose::Identity();
+  pose.linear() = toQuaternion(message.orientation).normalized().toRotationMatrix();
+  pose.translation() = toVec3(message.position);
+  return pose;
 }
 
 ActuatorReading makeReading(const RobotModel& robot) {
@@ -148,14 +188,36 @@ std::optional<Refusal> checkTargets(const EffectorTargets& message, const RobotM
   return std::nullopt;
 }
 
+std::optional<Refusal> checkObstacles(const TrackedObstacles& message, const RobotModel& robot,
+                                      std::vector<int>& obstacles) {
+  const std::size_t count = message.name.size();
+  if (count == 0 || message.pose.size() != count || message.present.size() != count) {
+    return Refusal{RefusalReason::kWrongSize,
+                   std::to_string(count) + " obstacle names with " + std::to_string(message.pose.size()) +
+                       " poses and " + std::to_string(message.present.size()) +
+                       " entries of present; it takes one of each per name and at least one"};
+  }
+  const auto find = [&robot](const std::string& name) { return robot.findObstacle(name); };
+  if (auto refusal = checkNames(message.name, "obstacle", find, obstacles)) return refusal;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!robot.obstacles()[static_cast<std::size_t>(obstacles[i])].tracked) {
+      return Refusal{RefusalReason::kNotTracked,
+                     "obstacle " + quote(message.name[i]) + " stays where the robot's description puts it"};
+    }
+    if (!message.present[i]) continue;
+    if (auto refusal = checkPose(message.pose[i], message.name[i])) return refusal;
+  }
+  return std::nullopt;
+}
+
 const char* nameOfDriverState(std::uint8_t state) {
   constexpr std::array<const char*, 7> kNames = {"OFF", "INITIALISING", "READY", "ACTIVE", "HOLDING", "SAFE", "FAULT"};
   return state < kNames.size() ? kNames[state] : "unknown";
 }
 
 void calcStageDurations(const StageTimes& times, double cycle, double* durations) {
-  const std::array<double, kStages> values = {times.assembly, times.factor,  times.compliance,
-                                              times.qp,       times.advance, cycle};
+  const std::array<double, kStages> values = {times.assembly, times.factor, times.detection, times.compliance, times.qp,
+                                              times.advance,  cycle};
   std::copy(values.begin(), values.end(), durations);
 }
 
@@ -180,7 +242,7 @@ ControllerState makeStateMessage(const RobotModel& robot) {
   message.displacement.assign(message.actuator.size(), 0.0);
   message.effort.assign(message.actuator.size(), 0.0);
   message.limits.reserve(6 * message.actuator.size());
-  message.inputs.reserve(message.effectors.size() + 1);
+  message.inputs.reserve(message.effectors.size() + robot.obstacles().size() + 1);
   message.stages.resize(kStages);
   for (std::size_t stage = 0; stage < kStageNames.size(); ++stage) message.stages[stage].stage = kStageNames[stage];
   message.reason.reserve(128);
@@ -206,6 +268,42 @@ BodyState makeBodyMessage(const RobotModel& robot) {
   message.cable_size.assign(message.cable.size(), 0);
   message.cable_tension.assign(message.cable.size(), 0.0);
   return message;
+}
+
+TrackedObstacles makeObstaclesMessage(const RobotModel& robot) {
+  TrackedObstacles message;
+  message.header.frame_id = robot.description().frame;
+  for (const Obstacle& obstacle : robot.obstacles()) {
+    message.name.push_back(obstacle.name);
+    message.pose.push_back(toPoseMessage(obstacle.pose));
+    message.present.push_back(true);
+  }
+  return message;
+}
+
+std::vector<std::string> listPartOwners(const RobotModel& robot) {
+  std::vector<std::string> owners;
+  for (const Obstacle& obstacle : robot.obstacles()) owners.insert(owners.end(), obstacle.parts.size(), obstacle.name);
+  return owners;
+}
+
+Contact makeContactMessage(const ContactRow& row, double force, double gap, const std::vector<std::string>& owners) {
+  Contact contact;
+  contact.obstacle = row.obstacle < 0 ? "self" : owners[static_cast<std::size_t>(row.obstacle)];
+  contact.point = toPoint(row.point);
+  contact.normal.x = row.normal.x();
+  contact.normal.y = row.normal.y();
+  contact.normal.z = row.normal.z();
+  contact.force = force;
+  contact.gap = gap;
+  return contact;
+}
+
+void updateObstaclesMessage(const std::vector<ObstacleState>& obstacles, TrackedObstacles& message) {
+  for (std::size_t i = 0; i < message.name.size(); ++i) {
+    message.pose[i] = toPoseMessage(obstacles[i].pose);
+    message.present[i] = obstacles[i].present;
+  }
 }
 
 void updateCommandMessage(const CycleOutput& output, ActuatorCommand& message) {
@@ -243,6 +341,12 @@ void updateStateMessage(const RobotModel& robot, const CycleInput& input, const 
     message.limits[i].value = report.value;
     message.limits[i].violation = report.violation;
   }
+  const ContactReport& contacts = output.contacts;
+  message.contacts = static_cast<std::uint32_t>(contacts.count);
+  message.contacts_global = contacts.count == 0 || contacts.proved_global;
+  message.declined_better = contacts.count > 0 && contacts.declined_better;
+  message.contact_pieces = static_cast<std::uint32_t>(contacts.pieces);
+  message.contact_nodes = static_cast<std::uint32_t>(contacts.nodes);
   message.qp_iterations = static_cast<std::uint32_t>(output.qp_iterations);
   message.qp_status = static_cast<std::uint8_t>(output.qp_status);
   message.newton_steps = static_cast<std::uint32_t>(output.newton_steps);

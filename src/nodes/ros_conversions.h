@@ -2,12 +2,15 @@
 
 #include <geometry_msgs/Point.h>
 #include <geometry_msgs/Point32.h>
+#include <geometry_msgs/Pose.h>
 #include <ros/time.h>
 #include <sinew/ActuatorCommand.h>
 #include <sinew/ActuatorState.h>
 #include <sinew/BodyState.h>
+#include <sinew/Contact.h>
 #include <sinew/ControllerState.h>
 #include <sinew/EffectorTargets.h>
+#include <sinew/TrackedObstacles.h>
 
 #include <cstdint>
 #include <optional>
@@ -25,6 +28,12 @@ namespace sinew {
 geometry_msgs::Point toPoint(const Vec3& position);
 geometry_msgs::Point32 toPoint32(const Vec3& position);
 Vec3 toVec3(const geometry_msgs::Point& point);
+geometry_msgs::Pose toPoseMessage(const Pose& pose);
+/// The quaternion's length may be off by rounding.
+Pose toPose(const geometry_msgs::Pose& pose);
+
+/// m from the robot: beyond it a target or an obstacle is a fault, not a wish.
+constexpr double kFarthest = 1000;
 
 /// Which message a value came from.
 struct MessageStamp {
@@ -54,20 +63,32 @@ std::optional<Refusal> updateReading(const ActuatorState& message, const RobotMo
 std::optional<Refusal> checkTargets(const EffectorTargets& message, const RobotModel& robot,
                                     std::vector<int>& effectors);
 
+/// Sizes, names of tracked obstacles, finite positions and unit quaternions. `obstacles` becomes the index of each
+/// name.
+std::optional<Refusal> checkObstacles(const TrackedObstacles& message, const RobotModel& robot,
+                                      std::vector<int>& obstacles);
+
 /// One word for a driver state of ActuatorState: `HOLDING`.
 const char* nameOfDriverState(std::uint8_t state);
 
 /// The stages of ControllerState, in the order of `calcStageDurations`.
-constexpr int kStages = 6;
+constexpr int kStages = 7;
 void calcStageDurations(const StageTimes& times, double cycle, double* durations);
 
 ActuatorCommand makeCommandMessage(const RobotModel& robot);
 ControllerState makeStateMessage(const RobotModel& robot);
 BodyState makeBodyMessage(const RobotModel& robot);
+/// Every obstacle of the robot, where its description says.
+TrackedObstacles makeObstaclesMessage(const RobotModel& robot);
+/// Name of the obstacle that each part belongs to: what `ContactRow::obstacle` counts.
+std::vector<std::string> listPartOwners(const RobotModel& robot);
 
 void updateCommandMessage(const CycleOutput& output, ActuatorCommand& message);
 void updateStateMessage(const RobotModel& robot, const CycleInput& input, const CycleOutput& output,
                         ControllerState& message);
+/// `force` [N], `gap` [m].
+Contact makeContactMessage(const ContactRow& row, double force, double gap, const std::vector<std::string>& owners);
+void updateObstaclesMessage(const std::vector<ObstacleState>& obstacles, TrackedObstacles& message);
 void updateStageMessages(const StageStatistics& statistics, std::vector<StageTime>& stages);
 
 /// Why a cycle was held or degraded, in words.

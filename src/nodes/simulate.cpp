@@ -10,6 +10,7 @@
 #include <string>
 
 #include "simulate_actuation.h"
+#include "simulate_obstacles.h"
 #include "simulate_run.h"
 #include "simulate_targets.h"
 #include "sinew/robot/robot_description.h"
@@ -23,22 +24,26 @@ constexpr int kWrongInput = 1;
 constexpr int kWrongUsage = 2;
 
 constexpr char kUsage[] =
-    R"(usage: simulate ROBOT.yaml --targets TARGETS.csv [--rate HZ] --out RUN.csv
-       simulate ROBOT.yaml --forward ACTUATION.csv [--settle false [--rate HZ]] --out RUN.csv
+    R"(usage: simulate ROBOT.yaml --targets TARGETS.csv [--obstacles OBSTACLES.csv] [--rate HZ] --out RUN.csv
+       simulate ROBOT.yaml --forward ACTUATION.csv [--obstacles OBSTACLES.csv] [--settle false [--rate HZ]] --out RUN.csv
 
 Runs the inverse controller along targets, or the forward simulator along an actuation. Units are SI.
   TARGETS.csv    columns t, target_NAME_x, target_NAME_y, target_NAME_z of one effector or more. Linear between the
                  rows; one cycle each 1/HZ from the first t to the last.
   ACTUATION.csv  columns t, and displacement_NAME or effort_NAME of one cable or more; the displacement counts where
                  both are there, and a cable without any keeps displacement 0.
+  OBSTACLES.csv  columns t, and obstacle_NAME_x, _y, _z of one obstacle of the robot or more; also obstacle_NAME_qx,
+                 _qy, _qz, _qw if it turns, and obstacle_NAME_present (1 or 0) if it comes and goes. Robot frame. An
+                 obstacle without any stays where the robot's description has it.
   RUN.csv        t; target_NAME_x..z and effector_NAME_x..z per effector; displacement_NAME and effort_NAME per cable;
-                 status (ok, degraded, held; forward: ok, not_converged, failed), residual in N, contacts.
+                 status (ok, degraded, held; forward: ok, not_converged, failed), residual in N, contacts
+                 (how many press).
                  A run can be read again as TARGETS.csv or ACTUATION.csv.
 Exit code 0 when RUN.csv is complete, 1 for an input that is wrong, 2 for a wrong command line.
 )";
 
 struct Settings {
-  std::string robot, targets, forward, out;
+  std::string robot, targets, forward, obstacles, out;
   double rate = 100;  // Hz
   bool settle = true;
 };
@@ -54,6 +59,7 @@ options::options_description makeOptions(Settings& settings) {
   add("help", "this text");
   add("targets", options::value(&settings.targets)->value_name("CSV"), "targets of the inverse controller");
   add("forward", options::value(&settings.forward)->value_name("CSV"), "actuation of the forward simulator");
+  add("obstacles", options::value(&settings.obstacles)->value_name("CSV"), "where the obstacles are");
   add("out", options::value(&settings.out)->value_name("CSV"), "where the run goes");
   add("rate", options::value(&settings.rate)->value_name("HZ")->default_value(settings.rate), "cycles a second");
   add("settle", options::value(&settings.settle)->value_name("BOOL")->default_value(settings.settle, "true"),
@@ -90,18 +96,21 @@ RunSummary run(const Settings& settings) {
   const auto robot = std::make_shared<const RobotModel>(readRobotDescription(settings.robot));
   for (const std::string& warning : robot->warnings()) std::cerr << "warning: " << warning << "\n";
   const bool inverse = !settings.targets.empty();
+  const ObstacleSignal obstacles = settings.obstacles.empty()
+                                       ? ObstacleSignal(*robot)
+                                       : ObstacleSignal(CsvTable::fromFile(settings.obstacles), *robot);
   const CsvTable table = CsvTable::fromFile(inverse ? settings.targets : settings.forward);
   RunSummary summary;
   if (inverse) {
     const TargetSignal targets = readTargetSignal(table, *robot);
     RunWriter writer(settings.out, *robot);
-    summary = simulateTargets(robot, targets, settings.rate, writer);
+    summary = simulateTargets(robot, targets, obstacles, settings.rate, writer);
     writer.close();
   } else {
     const ActuationSignal signal = readActuationSignal(table, *robot);
     RunWriter writer(settings.out, *robot);
-    summary =
-        settings.settle ? settleActuation(robot, signal, writer) : stepActuation(robot, signal, settings.rate, writer);
+    summary = settings.settle ? settleActuation(robot, signal, obstacles, writer)
+                              : stepActuation(robot, signal, obstacles, settings.rate, writer);
     writer.close();
   }
   return summary;

@@ -30,16 +30,19 @@ const char* nameOf(ForwardStatus status) {
 /// The forward simulator, and the rows that it leaves behind.
 class ForwardRun {
  public:
-  ForwardRun(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal, RunWriter& writer)
+  ForwardRun(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal, const ObstacleSignal& obstacles,
+             RunWriter& writer)
       : simulator_(robot),
         writer_(&writer),
         signal_(&signal),
+        obstacles_(&obstacles),
         actuation_{signal.mode, VecX::Zero(signal.values.size())} {
     row_.targets.setConstant(3 * robot->effectorCount(), kNone);
   }
 
   /// Equilibrium at `time`, over as many load steps as the way to it takes.
   ForwardStatus settle(double time) {
+    placeObstacles(time);
     VecX goal;
     signal_->values.calcValue(time, goal);
     const VecX start = actuation_.value;
@@ -53,6 +56,7 @@ class ForwardRun {
   }
 
   ForwardStatus step(double time, double period) {
+    placeObstacles(time);
     signal_->values.calcValue(time, actuation_.value);
     return simulator_.step(actuation_, period);
   }
@@ -64,6 +68,7 @@ class ForwardRun {
     row_.effort = simulator_.effort();
     row_.status = nameOf(status);
     row_.residual = simulator_.residual();
+    row_.contacts = countPressing(simulator_.contactForce());
     writer_->write(row_);
     ++summary_.rows;
     summary_.not_ok += status != ForwardStatus::kSolved;
@@ -72,6 +77,11 @@ class ForwardRun {
   const RunSummary& summary() const { return summary_; }
 
  private:
+  void placeObstacles(double time) {
+    obstacles_->calcStates(time, states_);
+    simulator_.setObstacles(states_);
+  }
+
   int countLoadSteps(const VecX& change) const {
     double steps = 1;
     for (Eigen::Index i = 0; i < change.size(); ++i) {
@@ -84,6 +94,8 @@ class ForwardRun {
   ForwardSimulator simulator_;
   RunWriter* writer_;
   const ActuationSignal* signal_;
+  const ObstacleSignal* obstacles_;
+  std::vector<ObstacleState> states_;
   Actuation actuation_;
   RunRow row_;
   RunSummary summary_;
@@ -112,8 +124,9 @@ ActuationSignal readActuationSignal(const CsvTable& table, const RobotModel& rob
   return {mode, SampledSignal(table.risingNumbers("t"), values)};
 }
 
-RunSummary settleActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal, RunWriter& writer) {
-  ForwardRun run(robot, signal, writer);
+RunSummary settleActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal,
+                           const ObstacleSignal& obstacles, RunWriter& writer) {
+  ForwardRun run(robot, signal, obstacles, writer);
   RunProgress progress(signal.values.samples());
   for (int k = 0; k < signal.values.samples(); ++k) {
     const double time = signal.values.times()[k];
@@ -123,9 +136,9 @@ RunSummary settleActuation(std::shared_ptr<const RobotModel> robot, const Actuat
   return run.summary();
 }
 
-RunSummary stepActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal, double rate,
-                         RunWriter& writer) {
-  ForwardRun run(robot, signal, writer);
+RunSummary stepActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal,
+                         const ObstacleSignal& obstacles, double rate, RunWriter& writer) {
+  ForwardRun run(robot, signal, obstacles, writer);
   const VecX& times = signal.values.times();
   const int cycles = countCycles(times[0], times[times.size() - 1], rate);
   RunProgress progress(cycles);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "simulate_obstacles.h"
 #include "simulate_run.h"
 #include "sinew/common/sampled_signal.h"
 #include "sinew/inverse/actuation.h"
@@ -20,10 +21,11 @@ struct ActuationSignal {
 ActuationSignal readActuationSignal(const CsvTable& table, const RobotModel& robot);
 
 /// The equilibrium of every row of the signal.
-RunSummary settleActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal, RunWriter& writer);
+RunSummary settleActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal,
+                           const ObstacleSignal& obstacles, RunWriter& writer);
 
 /// The signal through time, one row for each step of 1 / `rate`, from the equilibrium of its start.
-RunSummary stepActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal, double rate,
-                         RunWriter& writer);
+RunSummary stepActuation(std::shared_ptr<const RobotModel> robot, const ActuationSignal& signal,
+                         const ObstacleSignal& obstacles, double rate, RunWriter& writer);
 
 }  // namespace sinew

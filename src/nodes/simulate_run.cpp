@@ -101,6 +101,10 @@ void RunProgress::update(int done) {
   std::fflush(stderr);
 }
 
+int countPressing(const Eigen::Ref<const VecX>& force) {
+  return static_cast<int>((force.array() > 0).count());
+}
+
 int countCycles(double begin, double end, double rate) {
   constexpr double kRounding = 1e-6;  // of a cycle
   return 1 + static_cast<int>(std::floor((end - begin) * rate + kRounding));

@@ -19,7 +19,7 @@ struct RunRow {
   VecX effort;          ///< N
   std::string status;   ///< ok, degraded, held; of the forward problem ok, not_converged, failed
   double residual = 0;  ///< N, norm of the unbalanced nodal forces
-  int contacts = 0;     ///< 1
+  int contacts = 0;     ///< 1, that press
 };
 
 /// Rows done so far and how they went.
@@ -67,6 +67,9 @@ class RunProgress {
   int shown_ = -1;  // percent
   bool terminal_;
 };
+
+/// Contacts that press at all.
+int countPressing(const Eigen::Ref<const VecX>& force);
 
 /// Number of cycles of 1 / `rate` from `begin` to `end` [s], both included.
 int countCycles(double begin, double end, double rate);

@@ -80,8 +80,8 @@ TargetSignal readTargetSignal(const CsvTable& table, const RobotModel& robot) {
   return {SampledSignal(table.risingNumbers("t"), positions), targeted};
 }
 
-RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const TargetSignal& targets, double rate,
-                           RunWriter& writer) {
+RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const TargetSignal& targets,
+                           const ObstacleSignal& obstacles, double rate, RunWriter& writer) {
   InverseController controller(robot);
   if (!(controller.resynchronise(VecX::Zero(robot->actuatorCount())) < kEquilibrium)) {
     throw ConfigError(robot->description().file, "no equilibrium with every cable at zero",
@@ -98,9 +98,10 @@ RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const Target
   for (int k = 0; k < cycles; ++k) {
     const double time = times[0] + k / rate;
     targets.positions.calcValue(time, input.targets);
+    obstacles.calcStates(time, input.obstacles);
     const CycleStatus status = controller.step(input, output);
     writer.write({time, calcShownTargets(input), output.effectors, output.displacement, output.effort, nameOf(status),
-                  output.residual, 0});
+                  output.residual, countPressing(output.contacts.force.head(output.contacts.count))});
     summary.mean_error += calcError(*robot, input, output) / cycles;
     summary.not_ok += status != CycleStatus::kSolved;
     progress.update(++summary.rows);

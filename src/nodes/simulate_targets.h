@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "simulate_obstacles.h"
 #include "simulate_run.h"
 #include "sinew/common/sampled_signal.h"
 
@@ -20,7 +21,7 @@ TargetSignal readTargetSignal(const CsvTable& table, const RobotModel& robot);
 
 /// The inverse controller along the targets, one row a cycle, from the equilibrium with no cable pulled. Throws
 /// ConfigError when there is none.
-RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const TargetSignal& targets, double rate,
-                           RunWriter& writer);
+RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const TargetSignal& targets,
+                           const ObstacleSignal& obstacles, double rate, RunWriter& writer);
 
 }  // namespace sinew

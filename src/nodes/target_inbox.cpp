@@ -1,7 +1,6 @@
 #include "target_inbox.h"
 
 #include <ros/console.h>
-#include <tf2_eigen/tf2_eigen.h>
 
 #include <cmath>
 #include <sstream>
@@ -11,8 +10,6 @@
 namespace sinew {
 
 namespace {
-
-constexpr double kFarthest = 1000;  // m from the robot: beyond it a target is a fault, not a wish
 
 TargetSet makeTargetSet(const RobotModel& robot) {
   const auto effectors = static_cast<std::size_t>(robot.effectorCount());
@@ -38,13 +35,13 @@ bool isTurned(const geometry_msgs::Quaternion& orientation) {
 
 }  // namespace
 
-TargetInbox::TargetInbox(ros::NodeHandle node, const Parameters& parameters, std::shared_ptr<const RobotModel> robot)
+TargetInbox::TargetInbox(ros::NodeHandle node, const Parameters& parameters, std::shared_ptr<const RobotModel> robot,
+                         const FrameFinder& frames)
     : robot_(std::move(robot)),
+      frames_(frames),
       pose_effector_(readPoseEffector(parameters, *robot_)),
       timeout_(parameters.numberOr("target_timeout", 0.5, 1e-3, 1e6)),
       max_jump_(parameters.numberOr("max_target_jump", 0.0, 0.0, kFarthest)),
-      transform_tolerance_(parameters.numberOr("transform_tolerance", 0.1, 0.0, 1e6)),
-      listener_(transforms_, node),
       targets_(makeTargetSet(*robot_)),
       newest_(targets_),
       topics_{node.resolveName("targets"), node.resolveName("target_pose")} {
@@ -83,9 +80,9 @@ std::optional<Refusal> TargetInbox::read(const EffectorTargets& message, Topic t
     targets_.targeted.assign(targets_.targeted.size(), false);
   }
   if (auto refusal = checkTargets(message, *robot_, effectors_)) return refusal;
-  if (auto refusal = checkStamp(message.header)) return refusal;
+  if (auto refusal = checkStamp(message.header, timeout_)) return refusal;
   Pose to_robot;
-  if (auto refusal = findTransform(message.header, to_robot)) return refusal;
+  if (auto refusal = frames_.find(message.header, to_robot)) return refusal;
   positions_.clear();
   for (std::size_t i = 0; i < effectors_.size(); ++i) {
     positions_.push_back(to_robot * toVec3(message.pose[i].position));
@@ -99,40 +96,6 @@ std::optional<Refusal> TargetInbox::read(const EffectorTargets& message, Topic t
     targets_.topic[effector] = topic;
   }
   noteOrientation(message);
-  return std::nullopt;
-}
-
-std::optional<Refusal> TargetInbox::checkStamp(const std_msgs::Header& header) const {
-  if (header.stamp.isZero()) return std::nullopt;
-  const double age = (ros::Time::now() - header.stamp).toSec();
-  if (std::abs(age) <= timeout_) return std::nullopt;
-  std::ostringstream words;
-  words << "its stamp is " << std::abs(age) << " s " << (age > 0 ? "old" : "ahead of this clock") << ", more than "
-        << timeout_ << " s";
-  return Refusal{RefusalReason::kStamp, words.str()};
-}
-
-std::optional<Refusal> TargetInbox::findTransform(const std_msgs::Header& header, Pose& to_robot) const {
-  const std::string& frame = robot_->description().frame;
-  to_robot.setIdentity();
-  if (header.frame_id == frame) return std::nullopt;
-  const auto look_up = [&](const ros::Time& time) {
-    const geometry_msgs::TransformStamped transform = transforms_.lookupTransform(frame, header.frame_id, time);
-    to_robot = tf2::transformToEigen(transform);
-    return transform.header.stamp;
-  };
-  try {
-    try {
-      look_up(header.stamp);
-    } catch (const tf2::ExtrapolationException&) {
-      // A target may overtake the transform of its own moment: then the newest one will do, if it is recent.
-      const ros::Time found = look_up(ros::Time(0));
-      if (std::abs((header.stamp - found).toSec()) > transform_tolerance_) throw;
-    }
-  } catch (const tf2::TransformException& error) {
-    const std::string from = header.frame_id.empty() ? "a frame without a name" : "frame '" + header.frame_id + "'";
-    return Refusal{RefusalReason::kUnknownFrame, "no transform from " + from + " to '" + frame + "': " + error.what()};
-  }
   return std::nullopt;
 }
 

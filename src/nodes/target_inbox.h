@@ -2,14 +2,13 @@
 
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "frame_finder.h"
 #include "parameters.h"
 #include "refusal_log.h"
 #include "ros_conversions.h"
@@ -31,9 +30,9 @@ struct TargetSet {
 /// nothing.
 class TargetInbox {
  public:
-  /// Parameters: ~pose_effector (first effector), ~target_timeout (s), ~max_target_jump (m, 0 for any),
-  /// ~transform_tolerance (s).
-  TargetInbox(ros::NodeHandle node, const Parameters& parameters, std::shared_ptr<const RobotModel> robot);
+  /// Parameters: ~pose_effector (first effector), ~target_timeout (s), ~max_target_jump (m, 0 for any).
+  TargetInbox(ros::NodeHandle node, const Parameters& parameters, std::shared_ptr<const RobotModel> robot,
+              const FrameFinder& frames);
 
   /// The cycle's end of the exchange; targets of an epoch before the present one do not count.
   NewestWins<TargetSet>& newest() { return newest_; }
@@ -53,18 +52,14 @@ class TargetInbox {
   void onTargetPose(const geometry_msgs::PoseStamped& message);
   void receive(const EffectorTargets& message, Topic topic);
   std::optional<Refusal> read(const EffectorTargets& message, Topic topic);
-  std::optional<Refusal> checkStamp(const std_msgs::Header& header) const;
-  std::optional<Refusal> findTransform(const std_msgs::Header& header, Pose& to_robot) const;
   std::optional<Refusal> checkPosition(int effector, const Vec3& position) const;
   void noteOrientation(const EffectorTargets& message);
 
   std::shared_ptr<const RobotModel> robot_;
+  const FrameFinder& frames_;
   std::string pose_effector_;
-  double timeout_;              // s
-  double max_jump_;             // m, 0 for any
-  double transform_tolerance_;  // s
-  tf2_ros::Buffer transforms_;
-  tf2_ros::TransformListener listener_;
+  double timeout_;   // s
+  double max_jump_;  // m, 0 for any
 
   TargetSet targets_;  // as received so far; callback thread only
   std::vector<int> effectors_;

@@ -101,7 +101,7 @@ TEST_F(CondensedRobotTest, CondensesAsTheDenseInverseDoes) {
     const MatX A = condensed.body().matrix().makeDense();
     const VecX b = condensed.body().load();
     ASSERT_TRUE(condensed.factorise(times));
-  condensed.condense(times);
+    condensed.condense(times);
     const MatX H = makeDenseRows();
     const MatX W = H * A.llt().solve(H.transpose());
     const VecX free = H * A.llt().solve(b);

@@ -140,8 +140,8 @@ TEST_F(ForwardProblemTest, ContactsPressOrStandOff) {
     Case pushed = c;
     pushed.displacement = cables;
     expectComplementarity(pushed, change);
-    const VecX apart_by = gap + W.block(first, 0, contacts, actuators) * change +
-                          W.block(first, first, contacts, contacts) * force;
+    const VecX apart_by =
+        gap + W.block(first, 0, contacts, actuators) * change + W.block(first, first, contacts, contacts) * force;
     for (int i = 0; i < contacts; ++i) {
       EXPECT_GE(force[i], 0);
       EXPECT_GE(apart_by[i], -1e-9);

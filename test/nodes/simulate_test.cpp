@@ -71,7 +71,7 @@ CsvTable record(const RobotModel& robot, Simulate&& simulate) {
 
 CsvTable settle(std::shared_ptr<const RobotModel> robot, const CsvTable& actuation) {
   return record(*robot, [&](RunWriter& writer) {
-    EXPECT_EQ(settleActuation(robot, readActuationSignal(actuation, *robot), writer).not_ok, 0);
+    EXPECT_EQ(settleActuation(robot, readActuationSignal(actuation, *robot), ObstacleSignal(*robot), writer).not_ok, 0);
   });
 }
 
@@ -122,8 +122,9 @@ TEST(Simulate, TakesEffortsAsGiven) {
 TEST(Simulate, StepsThroughAnActuationToTheSameEquilibrium) {
   const auto robot = makeBar();
   const CsvTable actuation = readText("t,displacement_left\n0,0\n0.2,0.004\n1,0.004\n");
-  const CsvTable stepped = record(
-      *robot, [&](RunWriter& writer) { stepActuation(robot, readActuationSignal(actuation, *robot), 50, writer); });
+  const CsvTable stepped = record(*robot, [&](RunWriter& writer) {
+    stepActuation(robot, readActuationSignal(actuation, *robot), ObstacleSignal(*robot), 50, writer);
+  });
   ASSERT_EQ(stepped.rows(), 51);
   EXPECT_NEAR(stepped.numbers("t")[1], 0.02, 1e-12);
   EXPECT_NEAR(stepped.numbers("displacement_left")[5], 0.002, 1e-4);  // half way at 0.1 s
@@ -139,7 +140,8 @@ TEST(Simulate, ReachesWhatAForwardRunReached) {
   text << "t,target_tip_y\n0," << 0.01 << "\n1," << last(forward, "effector_tip_y") << "\n2,"
        << last(forward, "effector_tip_y") << "\n";
   const CsvTable inverse = record(*robot, [&](RunWriter& writer) {
-    const RunSummary summary = simulateTargets(robot, readTargetSignal(readText(text.str()), *robot), 100, writer);
+    const RunSummary summary =
+        simulateTargets(robot, readTargetSignal(readText(text.str()), *robot), ObstacleSignal(*robot), 100, writer);
     EXPECT_EQ(summary.rows, 201);
     EXPECT_EQ(summary.not_ok, 0);
     EXPECT_LT(summary.mean_error, 1e-4);

@@ -48,7 +48,7 @@ TEST(ScaledQpcc, isTheSameProblem) {
   const VecX x_si = scaled.magnitude * scaled.unknown_unit.cwiseProduct(x);
   const VecX z_si = scaled.magnitude * scaled.contact_unit.cwiseProduct(z);
   const VecX g = (p.C_a * x_si + p.C_c * z_si + p.c).cwiseProduct(scaled.contact_unit) / scaled.magnitude;
-  const VecX a = (p.A_a * x_si + p.A_c * z_si + p.a).cwiseProduct(scaled.row_scale) / scaled.magnitude;
+  const VecX a = (p.A_a * x_si + p.A_c * z_si + p.a).cwiseProduct(scaled.row_scale.head(3)) / scaled.magnitude;
   const VecX e = (p.E_a * x_si + p.E_c * z_si + p.e) * (scaled.effector_scale / scaled.magnitude);
   EXPECT_LE((rows.head(5) - g).norm(), 1e-13);
   EXPECT_LE((rows.segment(5, 3) - a).norm(), 1e-13);

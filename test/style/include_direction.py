@@ -14,7 +14,7 @@ DIRECTLY_BELOW = {
     "fem": ("linalg", "mesh"),
     "body": ("fem",),
     "constraint": ("body", "robot"),
-    "inverse": ("body", "constraint", "solver", "robot"),
+    "inverse": ("body", "constraint", "contact", "solver", "robot"),
     "hardware": ("robot",),
 }
 ROS = re.compile(r"(ros|rosbag|rosgraph_msgs|tf2?|tf2_ros|tf2_eigen|\w+_msgs|std_srvs|diagnostic_updater|interactive_markers|sinew)/\w+\.h$")

@@ -30,7 +30,7 @@ namespace sinew {
 ///
 /// Features, with the distance and normal of each pair:
 /// - vertex and face, where the vertex lies above or behind the face: signed height, normal of the face;
-/// - two edges that cross, at least one of them sharp: signed along their common normal;
+/// - two edges that cross, at least one of them bent outwards by more than 0.02 rad: signed along their common normal;
 /// - vertex and edge, vertex and vertex, where one of the two points is the local minimum for the other: distance;
 /// - vertex, edge, face against plane, sphere, cylinder: minimum of the exact signed distance over the feature; a rim
 /// of

@@ -34,10 +34,10 @@ class ContactPiece {
 
  private:
   int actuators_, rows_ = 0, contacts_ = 0, pressing_count_ = 0;
-  MatX reduced_;  // [W value]
-  MatX factor_;   // of W_pp, scaled to a unit diagonal
-  MatX answer_;   // W_pp^-1 [W_pa v_p]
-  MatX coupling_; // W_rp
+  MatX reduced_;   // [W value]
+  MatX factor_;    // of W_pp, scaled to a unit diagonal
+  MatX answer_;    // W_pp^-1 [W_pa v_p]
+  MatX coupling_;  // W_rp
   VecX scale_, shift_;
   std::vector<int> pressing_;  // contacts
   std::vector<char> presses_;

@@ -19,8 +19,8 @@ struct EffectorGoal {
 
 /// Which contacts are to press: the inverse problem with contacts (thesis 4.3.2),
 ///   min 1/2 |W_ea d + W_ec f + error|^2   within the limits of the cycle,   0 <= f  _|_  W_ca d + W_cc f + gap >= 0,
-/// lightly regularised by the energy of the efforts, searched globally while its budget lasts, from where the last cycle
-/// left it. The limits on efforts give way where nothing else is possible. No allocation after construction.
+/// lightly regularised by the energy of the efforts, searched globally while its budget lasts, from where the last
+/// cycle left it. The limits on efforts give way where nothing else is possible. No allocation after construction.
 class ContactSearch {
  public:
   ContactSearch(const RobotModel& robot, int max_effector_rows);

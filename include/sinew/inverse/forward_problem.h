@@ -25,7 +25,7 @@ class ForwardProblem {
   QpStatus solve(const Eigen::Ref<const MatX>& W, int first_contact, const Vector& displacement, const Vector& gap,
                  const VecX& effort, const Actuation& actuation);
 
-  auto effortChange() const { return change_.head(actuators_); }                  ///< N
+  auto effortChange() const { return change_.head(actuators_); }                ///< N
   auto contactForce() const { return change_.segment(actuators_, contacts_); }  ///< N
   int iterations() const { return solution_.iterations; }
 

@@ -31,13 +31,13 @@ class ForwardSimulator {
 
   const std::vector<Vec3>& nodes() const;                            ///< m, present positions
   void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
-  const VecX& displacement() const;  ///< per actuator [m], of the cables in the present configuration
-  const VecX& effort() const;        ///< per actuator [N]
-  const VecX& effectors() const;     ///< 3 x effectors [m]
-  const ContactList& contacts() const;                ///< as found at the start of the last step
+  const VecX& displacement() const;     ///< per actuator [m], of the cables in the present configuration
+  const VecX& effort() const;           ///< per actuator [N]
+  const VecX& effectors() const;        ///< 3 x effectors [m]
+  const ContactList& contacts() const;  ///< as found at the start of the last step
   Eigen::VectorBlock<const VecX> contactForce() const;  ///< N, of these contacts
-  double residual() const;                            ///< N
-  double residualRelative() const;   ///< 1
+  double residual() const;                              ///< N
+  double residualRelative() const;                      ///< 1
 
  private:
   struct Impl;

@@ -32,10 +32,10 @@ struct ActiveLimitReport {
 /// How the contacts of a cycle were answered; the forces and gaps belong to `InverseController::contacts()`.
 struct ContactReport {
   int count = 0;
-  VecX force, gap;              ///< N, m, at the solution of the linear problem; the leading `count` entries
-  bool proved_global = false;   ///< no better choice of pressing contacts exists
-  bool declined_better = false; ///< a better but far choice was left
-  int pieces = 0, nodes = 0;    ///< that the search solved
+  VecX force, gap;               ///< N, m, at the solution of the linear problem; the leading `count` entries
+  bool proved_global = false;    ///< no better choice of pressing contacts exists
+  bool declined_better = false;  ///< a better but far choice was left
+  int pieces = 0, nodes = 0;     ///< that the search solved
 };
 
 /// What a cycle reads. Sizes are those of the robot: three coordinates an effector, one value an actuator.

@@ -19,14 +19,14 @@ struct InverseProblemData {
   InverseProblemData(int actuators, int max_effector_rows, int max_contacts);
   VecX unit_compliance;  ///< actuators, m/N > 0: W_aa's diagonal without contacts, the scale of the unknowns
   MatX W_aa;             ///< actuators x actuators, m/N
-  MatX W_ea;            ///< effector rows x actuators, m/N; the leading `effector_rows` count
-  VecX effector_error;  ///< weighted error with efforts unchanged, m
+  MatX W_ea;             ///< effector rows x actuators, m/N; the leading `effector_rows` count
+  VecX effector_error;   ///< weighted error with efforts unchanged, m
   int effector_rows = 0;
-  VecX displacement;           ///< with efforts unchanged, m
-  VecX effort;                 ///< present total, N
-  MatX W_ca;                   ///< the leading `contacts` rows count: W_ca d + contact >= -slack, never gives way
-  VecX contact;                ///< gaps [m] or forces [N] with efforts unchanged
-  VecX contact_slack;          ///< what rounding left of them at a point known to be possible
+  VecX displacement;   ///< with efforts unchanged, m
+  VecX effort;         ///< present total, N
+  MatX W_ca;           ///< the leading `contacts` rows count: W_ca d + contact >= -slack, never gives way
+  VecX contact;        ///< gaps [m] or forces [N] with efforts unchanged
+  VecX contact_slack;  ///< what rounding left of them at a point known to be possible
   int contacts = 0;
   double damping = 0;          ///< 1, against the change of effort, relative to the best-driven direction
   double negligible_gain = 0;  ///< m; when the effector error cannot fall by more, it is left as it is

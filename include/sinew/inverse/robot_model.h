@@ -33,6 +33,8 @@ class RobotModel {
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   int actuatorCount() const;
   int effectorCount() const;
+  /// m a node may move in one linearisation; where there are contacts, none may jump over what is watched.
+  double maxNodeStep() const;
   int maxContacts() const;        ///< 0 where there is nothing to touch
   int maxContactEntries() const;  ///< nodes of all contacts together
   /// Index by name, -1 when unknown.

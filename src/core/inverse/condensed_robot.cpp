@@ -77,8 +77,7 @@ void CondensedRobot::addActuators(bool with_stiffness) {
     rows_.addTransposed(i, effort_[i], cable_force_);
     if (with_stiffness) cable.addLoadStiffness(positions, effort_[i], *matrix);
   }
-  load_norm_ =
-      std::max(negligible_load_, body_.gravityForce().norm() + cable_force_.norm() + contact_force_.norm());
+  load_norm_ = std::max(negligible_load_, body_.gravityForce().norm() + cable_force_.norm() + contact_force_.norm());
   for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, matrix);
   for (const PointEffector& effector : robot_->effectors()) effector.addRows(rows_);
   body_.load() += cable_force_;

@@ -59,16 +59,17 @@ ForwardStatus ForwardSimulator::step(const Actuation& actuation, double period) 
   Impl& impl = *impl_;
   const bool again = !rule.dynamic && impl.steps_since_factor > 0 && impl.steps_since_factor < impl.steps_per_factor &&
                      residualRelative() < kReusableResidual;
-  const ForwardStatus status = again ? impl.forward.stepAgain(actuation, impl.contacts(), impl.condensed, impl.effort, impl.times)
-                                     : impl.forward.step(actuation, rule, impl.contacts(), impl.condensed, impl.effort, impl.times);
+  const ForwardStatus status =
+      again ? impl.forward.stepAgain(actuation, impl.contacts(), impl.condensed, impl.effort, impl.times)
+            : impl.forward.step(actuation, rule, impl.contacts(), impl.condensed, impl.effort, impl.times);
   impl.steps_since_factor = status != ForwardStatus::kSolved ? 0 : again ? impl.steps_since_factor + 1 : 1;
   impl_->measure();
   return status;
 }
 
 ForwardStatus ForwardSimulator::settle(const Actuation& actuation, double tolerance, int max_steps) {
-  const ForwardStatus status =
-      impl_->forward.settle(actuation, tolerance, max_steps, impl_->contacts(), impl_->condensed, impl_->effort, impl_->times);
+  const ForwardStatus status = impl_->forward.settle(actuation, tolerance, max_steps, impl_->contacts(),
+                                                     impl_->condensed, impl_->effort, impl_->times);
   impl_->steps_since_factor = 0;
   impl_->measure();
   return status;

@@ -27,13 +27,12 @@ ForwardStatus ForwardStep::move(const Actuation& actuation, CondensedRobot& robo
     const StageTimer timer(times.qp);
     displacement_ = robot.displacement() + robot.freeMotion().head(robot.actuators());
     gap_.head(robot.contacts()) = robot.gap() + robot.freeMotion().tail(robot.contacts());
-    status = problem_.solve(robot.compliance(), robot.firstContact(), displacement_, gap_.head(robot.contacts()), effort,
-                            actuation);
+    status = problem_.solve(robot.compliance(), robot.firstContact(), displacement_, gap_.head(robot.contacts()),
+                            effort, actuation);
   }
   change_ = problem_.effortChange();
   if (status != QpStatus::kSolved || !change_.allFinite()) return ForwardStatus::kNotFinite;
-  const double scale =
-      robot.advance(change_, problem_.contactForce(), robot.robot().description().control.max_node_step, times);
+  const double scale = robot.advance(change_, problem_.contactForce(), robot.robot().maxNodeStep(), times);
   effort += scale * change_;
   return ForwardStatus::kSolved;
 }

@@ -67,7 +67,8 @@ struct MovingBody {
 
   ForwardStatus follow(const VecX& displacement, double period, StageTimes& times) {
     winches.value = displacement;
-    const ForwardStatus status = forward.step(winches, condensed.makeRule(period), activeOrNull(finder), condensed, effort, times);
+    const ForwardStatus status =
+        forward.step(winches, condensed.makeRule(period), activeOrNull(finder), condensed, effort, times);
     if (status != ForwardStatus::kSolved) condensed.body().abandonStep();
     return status;
   }
@@ -179,7 +180,8 @@ struct InverseController::Impl {
     const ControlDescription& control = robot->description().control;
     const double distance = goal.error.head(used).norm();
     output.goal_scale = distance > control.reach_per_cycle ? control.reach_per_cycle / distance : 1.0;
-    for (int k = 0; k < used; ++k) goal.error[k] = output.goal_scale * goal.error[k] + condensed.freeMotion()[goal.rows[k]];
+    for (int k = 0; k < used; ++k)
+      goal.error[k] = output.goal_scale * goal.error[k] + condensed.freeMotion()[goal.rows[k]];
     data.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * control.reach_per_cycle : 0;
     return distance;
   }
@@ -227,14 +229,14 @@ struct InverseController::Impl {
   }
 
   bool searchPiece(CycleOutput& output) {
-    const QpccStatus status = search.solve(condensed, finder.list(), goal, limits, effort, calcDamping(output.goal_scale));
+    const QpccStatus status =
+        search.solve(condensed, finder.list(), goal, limits, effort, calcDamping(output.goal_scale));
     const QpccSolution& found = search.solution();
     output.contacts.proved_global = found.proved_global;
     output.contacts.declined_better = found.declined_better;
     output.contacts.pieces += found.pieces;
     output.contacts.nodes += found.nodes;
-    return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) &&
-           piece.reduce(condensed, found.active);
+    return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) && piece.reduce(condensed, found.active);
   }
 
   HoldReason planEfforts(const CycleInput& input, CycleOutput& output) {
@@ -282,9 +284,8 @@ struct InverseController::Impl {
     reason = planEfforts(input, output);
     if (reason != HoldReason::kNone) return reason;
 
-    const double scale =
-        condensed.advance(result.effort_change, contact_force.head(condensed.contacts()),
-                          robot->description().control.max_node_step, output.times);
+    const double scale = condensed.advance(result.effort_change, contact_force.head(condensed.contacts()),
+                                           robot->maxNodeStep(), output.times);
     effort += scale * result.effort_change;
     damping.recordStep(scale * row_motion.head(condensed.firstContact()).norm());
     linear_displacement = condensed.displacement() + scale * row_motion.head(actuators());
@@ -500,9 +501,8 @@ double InverseController::resynchronise(const VecX& measured) {
   for (int k = 1; k <= steps; ++k) {
     impl.held.value = start + (measured - start) * k / steps;
     const double tolerance = k < steps ? 1e-3 : kSyncTolerance;
-    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, activeOrNull(impl.finder), impl.condensed, impl.effort,
-                            times) !=
-        ForwardStatus::kSolved) {
+    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, activeOrNull(impl.finder), impl.condensed,
+                            impl.effort, times) != ForwardStatus::kSolved) {
       return failed;
     }
   }

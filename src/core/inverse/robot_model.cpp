@@ -216,6 +216,11 @@ int RobotModel::effectorCount() const {
   return static_cast<int>(effectors_.size());
 }
 
+double RobotModel::maxNodeStep() const {
+  const double step = description_.control.max_node_step;
+  return maxContacts() > 0 ? std::min(step, description_.contacts.alarm_distance) : step;
+}
+
 int RobotModel::maxContacts() const {
   const bool touches = !obstacles_.empty() || description_.contacts.self;
   return touches ? description_.contacts.max_contacts : 0;
