@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <sstream>
-
 #include "common/complaint.h"
 #include "inverse/contact_robot.h"
 
@@ -17,8 +15,7 @@ class SimulateObstacles : public testing::Test {
   std::vector<ObstacleState> states;
 
   ObstacleSignal read(const std::string& text) const {
-    std::istringstream stream(text);
-    return ObstacleSignal(CsvTable(stream, "obstacles.csv"), *robot);
+    return ObstacleSignal(CsvTable::fromText(text, "obstacles.csv"), *robot);
   }
 };
 

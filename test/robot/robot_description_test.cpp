@@ -271,6 +271,22 @@ TEST_F(RobotDescriptionTest, ReadsObstacles) {
   EXPECT_LT((post.pose.translation() - Vec3(0.3, 0, 1)).norm(), 1e-12) << "in the frame of the hanging robot";
 }
 
+TEST_F(RobotDescriptionTest, TakesFromItsBaseWhatItLeavesOut) {
+  folder.write("base.yaml", kYaml);
+  const RobotDescription base = readRobotDescription(folder.path() + "/base.yaml");
+  const RobotDescription robot = read("name: other\nbase: base.yaml\nobstacles: []\ncontrol: {newton_steps: 7}\n");
+  EXPECT_EQ(robot.name, "other");
+  EXPECT_EQ(robot.file, folder.path() + "/arm.yaml");
+  EXPECT_EQ(robot.frame, base.frame);
+  EXPECT_EQ(robot.mesh_file, base.mesh_file);
+  EXPECT_EQ(robot.gravity, base.gravity);
+  EXPECT_EQ(robot.cables.size(), base.cables.size());
+  EXPECT_EQ(robot.contacts.max_contacts, base.contacts.max_contacts);
+  EXPECT_TRUE(robot.obstacles.empty());
+  EXPECT_EQ(robot.control.newton_steps, 7);
+  EXPECT_EQ(robot.control.max_node_step, ControlDescription().max_node_step) << "a key is taken as a whole";
+}
+
 TEST_F(RobotDescriptionTest, ReadsHowContactsAreFound) {
   const ContactDescription contacts = read(kYaml).contacts;
   EXPECT_EQ(contacts.method, DetectionMethod::kVolume);

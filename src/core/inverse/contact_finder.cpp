@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sinew/contact/proximity_detection.h"
+#include "sinew/contact/volume_detection.h"
 #include "sinew/fem/fem_model.h"
 
 namespace sinew {
@@ -13,6 +14,14 @@ ProximitySettings makeSettings(const ContactDescription& contacts) {
   settings.contact_distance = contacts.contact_distance;
   settings.alarm_distance = contacts.alarm_distance;
   settings.max_depth = std::max(settings.max_depth, contacts.alarm_distance);
+  return settings;
+}
+
+VolumeSettings makeVolumeSettings(const ContactDescription& contacts) {
+  VolumeSettings settings;
+  settings.contact_distance = contacts.contact_distance;
+  settings.dilation = 2 * contacts.contact_distance;  // as much as is sound: what moves faster in a cycle is seen late
+  settings.pixels = contacts.resolution;
   return settings;
 }
 
@@ -31,6 +40,7 @@ struct ContactFinder::Impl {
   ContactList found, list;
   std::vector<ObstacleState> states, before;
   std::unique_ptr<ProximityDetection> proximity;  // null where there is nothing to touch
+  std::unique_ptr<VolumeDetection> volume;        // of the volume method, for obstacles
 
   explicit Impl(const RobotModel& model)
       : robot(model),
@@ -39,16 +49,28 @@ struct ContactFinder::Impl {
     for (const Obstacle& obstacle : model.obstacles()) states.push_back({obstacle.pose, true});
     before = states;
     if (model.maxContacts() == 0) return;
-    proximity = std::make_unique<ProximityDetection>(makeSettings(model.description().contacts),
-                                                     CollisionSurface(model.surface().triangles), model.fem().rest(),
+    const ContactDescription& contacts = model.description().contacts;
+    const CollisionSurface surface(model.surface().triangles);
+    proximity = std::make_unique<ProximityDetection>(makeSettings(contacts), surface, model.fem().rest(),
                                                      gatherShapes(model), model.maxContacts());
+    if (contacts.method == DetectionMethod::kProximity) return;
+    volume = std::make_unique<VolumeDetection>(makeVolumeSettings(contacts), surface, gatherShapes(model),
+                                               model.maxContacts());
+  }
+
+  void addObstacle(int shape, const Pose& pose) {
+    if (volume) {
+      volume->addObstacle(proximity->surface(), shape, pose, found);
+    } else {
+      proximity->addObstacle(shape, pose, found);
+    }
   }
 
   void addObstacles() {
     int shape = 0;
     for (std::size_t i = 0; i < states.size(); ++i) {
       for (const Obstacle::Part& part : robot.obstacles()[i].parts) {
-        if (states[i].present) proximity->addObstacle(shape, states[i].pose * part.origin, found);
+        if (states[i].present) addObstacle(shape, states[i].pose * part.origin);
         ++shape;
       }
     }

@@ -104,6 +104,7 @@ struct InverseController::Impl {
   VecX row_motion;           // m, every row
   VecX last_valid_effort;
   StepDamping damping;
+  bool pressed = false;   // some contact did, in the last cycle
   bool prepared = false;  // `condensed` holds the linear problem of the next step
 
   explicit Impl(std::shared_ptr<const RobotModel> model)
@@ -248,7 +249,8 @@ struct InverseController::Impl {
     } else if (!searchPiece(output)) {
       return HoldReason::kQpFailed;
     }
-    damping.update(calcDrift());
+    const bool let_go = pressed && contacts == 0;  // what held the body is gone: no fault of the last step
+    damping.update(let_go ? 0 : calcDrift());
     gatherProblem(output.goal_scale);
     if (contacts > 0) allowSearched();
     output.qp_status = problem.solve(data, limits, result);
@@ -259,6 +261,7 @@ struct InverseController::Impl {
       result.effort_violation.setZero();
     }
     piece.calcContacts(result.effort_change, contact_force, contact_gap);
+    pressed = (contact_force.head(contacts).array() > 0).any();
     row_motion.head(condensed.rows()) = condensed.freeMotion();
     row_motion.head(condensed.rows()).noalias() += condensed.compliance().leftCols(actuators()) * result.effort_change;
     row_motion.head(condensed.rows()).noalias() +=

@@ -228,7 +228,12 @@ int RobotModel::maxContacts() const {
 
 int RobotModel::maxContactEntries() const {
   constexpr int kEntries = 6;  // three nodes on either side
-  return kEntries * maxContacts();
+  int entries = kEntries * maxContacts();
+  if (description_.contacts.method == DetectionMethod::kProximity) return entries;
+  for (const Obstacle& obstacle : obstacles_) {  // regions share nodes at their borders only
+    entries += 2 * static_cast<int>(surface_.nodes.size() * obstacle.parts.size());
+  }
+  return entries;
 }
 
 int RobotModel::findActuator(const std::string& name) const {

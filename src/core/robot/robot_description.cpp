@@ -229,21 +229,24 @@ ContactDescription readContacts(const YamlReader& yaml) {
 RobotDescription readRobotDescription(const std::string& path) {
   const YamlReader yaml = YamlReader::fromFile(path);
   RobotDescription robot;
+  const bool based = yaml.has("base");
+  if (based) robot = readRobotDescription(yaml.path("base"));
+  const auto gives = [&](const std::string& key) { return !based || yaml.has(key); };
   robot.file = path;
   robot.name = yaml.text("name");
-  robot.frame = yaml.textOr("frame", robot.name + "_base");
+  if (gives("frame")) robot.frame = yaml.textOr("frame", robot.name + "_base");
   if (yaml.has("urdf")) robot.urdf_file = yaml.path("urdf");
   if (!robot.urdf_file.empty()) readUrdfPose(robot.urdf_file, robot.frame, robot.frame);
-  readMesh(yaml, robot);
-  readGravity(yaml, robot);
-  robot.materials = readMaterials(yaml);
-  robot.fixed = readFixedNodes(yaml);
-  robot.cables = readCables(yaml);
-  robot.effectors = readEffectors(yaml);
-  readDamping(yaml, robot);
-  robot.control = readControl(yaml);
-  robot.obstacles = readObstacles(yaml, robot);
-  robot.contacts = readContacts(yaml);
+  if (gives("mesh")) readMesh(yaml, robot);
+  if (gives("gravity")) readGravity(yaml, robot);
+  if (gives("materials")) robot.materials = readMaterials(yaml);
+  if (gives("fixed")) robot.fixed = readFixedNodes(yaml);
+  if (gives("cables")) robot.cables = readCables(yaml);
+  if (gives("effectors")) robot.effectors = readEffectors(yaml);
+  if (gives("damping")) readDamping(yaml, robot);
+  if (gives("control")) robot.control = readControl(yaml);
+  if (gives("obstacles")) robot.obstacles = readObstacles(yaml, robot);
+  if (gives("contacts")) robot.contacts = readContacts(yaml);
   yaml.refuseUnknownKeys();
   return robot;
 }
