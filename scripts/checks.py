@@ -65,6 +65,38 @@ CHECKS = (
         [gtest("inverse_reach_test")],
     ),
     Check(
+        "detection_oracle",
+        "Contacts found through trees and cones against brute force with the same definition, and what enforcing them leaves "
+        "of the depth of a surface after a step.",
+        [gtest(f"contact_{noun}_test") for noun in ("surface_pairs", "smooth_pairs", "proximity_detection")],
+    ),
+    Check(
+        "volume_contacts",
+        "Overlap volumes from layered depths against exact ones, and their gradients.",
+        [gtest("contact_volume_detection_test")],
+    ),
+    Check(
+        "qpcc_oracle",
+        "Random programmes with complementarity constraints, dependent and infeasible ones too, against the enumeration of "
+        "all their pieces.",
+        [gtest("solver_qpcc_oracle_test")],
+    ),
+    Check(
+        "finger_obstacle",
+        "Two cables pull the finger around a post, and the inverse of the reached point gives the pulls back.",
+        [gtest("inverse_finger_obstacle_test")],
+    ),
+    Check(
+        "signorini",
+        "At the solution of every cycle's linear problem no contact is passed, none pulls, and none presses from afar.",
+        [gtest("inverse_finger_obstacle_test")],
+    ),
+    Check(
+        "moving_obstacle",
+        "The trunk keeps its tip where it is while a cylinder is pushed against it, drawn back, comes and goes.",
+        [gtest("inverse_moving_obstacle_test")],
+    ),
+    Check(
         "bad_input",
         "Targets that are not finite, jump, are late, or name what is not there are refused by name, and the next good one "
         "counts.",

@@ -79,7 +79,7 @@ class InverseController {
   CycleInput makeInput() const;
   CycleOutput makeOutput() const;
 
-  /// Linearises and condenses ahead what the next `step` starts from, which is nearly all of its work and does not
+  /// Linearises and factorises ahead what the next `step` starts from, which is nearly all of its work and does not
   /// depend on its input, so that the command follows its targets without delay. Adds to the output's times.
   void prepare(CycleOutput& output);
 
