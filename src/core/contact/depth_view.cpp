@@ -197,10 +197,11 @@ void DepthView::intersect(int pixel) {
 }
 
 Vec3 DepthView::calcPoint(int pixel, double depth) const {
+  const int row = pixel / pixels_, column = pixel % pixels_;
   Vec3 point;
   point[axis_] = depth;
-  point[u_] = lower_u_ + (pixel % pixels_ + 0.5) * step_u_;
-  point[v_] = lower_v_ + (pixel / pixels_ + 0.5) * step_v_;
+  point[u_] = lower_u_ + (column + 0.5) * step_u_;
+  point[v_] = lower_v_ + (row + 0.5) * step_v_;
   return point;
 }
 

@@ -13,6 +13,7 @@ constexpr double kTouching = 1e-12;    // m
 
 std::vector<Vec3> selectVertices(const CollisionSurface& surface, const std::vector<Vec3>& nodes) {
   std::vector<Vec3> selected;
+  selected.reserve(static_cast<std::size_t>(surface.vertices()));
   for (int v = 0; v < surface.vertices(); ++v) selected.push_back(nodes.at(surface.node(v)));
   return selected;
 }

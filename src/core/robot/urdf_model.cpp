@@ -22,13 +22,13 @@ Pose toPose(const urdf::Pose& pose) {
 }
 
 urdf::ModelInterfaceSharedPtr readUrdf(const std::string& file) {
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDFFile(file);
+  urdf::ModelInterfaceSharedPtr model = urdf::parseURDFFile(file);
   if (!model) throw ConfigError(file, "no readable URDF", "a URDF file");
   return model;
 }
 
 urdf::LinkConstSharedPtr findLink(const urdf::ModelInterface& model, const std::string& file, const std::string& name) {
-  const urdf::LinkConstSharedPtr link = model.getLink(name);
+  urdf::LinkConstSharedPtr link = model.getLink(name);
   if (!link) throw ConfigError(file + ": link", "'" + name + "'", linkNames(model));
   return link;
 }
