@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -30,27 +31,51 @@ constexpr double kTurn = 6.283185307179586;  // rad
 constexpr int kStepsPerFactor = 4;           // of the simulated robot
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A robot whose first effector goes round a horizontal circle.
+/// What a robot does while it is timed.
 struct Scene {
   std::string name;
   std::string file;
-  Vec3 centre;                           // m
-  double radius;                         // m
-  double turn;                           // s
-  double rate;                           // Hz, of the controller
-  double plant_rate;                     // Hz, of the simulated robot
-  std::map<std::string, double> thesis;  // ms by stage; its scene adds an obstacle and 76 contacts
+  std::function<Vec3(double)> target;                                        // m of the first effector, by time in s
+  std::function<void(double, std::vector<ObstacleState>&)> place_obstacles;  // likewise; empty: they stay
+  double duration;                                                           // s
+  std::map<std::string, double> thesis;                                      // ms by stage, of its scene of that kind
+  double rate = 100;                                                         // Hz, of controller and simulated robot
 };
 
+/// A horizontal circle, one turn in `turn` [s].
+std::function<Vec3(double)> makeCircle(const Vec3& centre, double radius, double turn) {
+  return [=](double time) -> Vec3 {
+    const double angle = kTurn * time / turn;
+    return centre + radius * Vec3(std::cos(angle), std::sin(angle), 0);
+  };
+}
+
+/// From one point to another and back.
+std::function<Vec3(double)> makeSway(const Vec3& from, const Vec3& to, double period) {
+  return [=](double time) -> Vec3 { return from + (to - from) * (0.5 - 0.5 * std::cos(kTurn * time / period)); };
+}
+
+/// Moves the first obstacle along x [m] and back.
+std::function<void(double, std::vector<ObstacleState>&)> makePush(double way, double period) {
+  return [=](double time, std::vector<ObstacleState>& obstacles) {
+    obstacles.front().pose.translation().x() += way * (0.5 - 0.5 * std::cos(kTurn * time / period));
+  };
+}
+
 std::vector<Scene> makeScenes(const std::string& config) {
-  return {{"trunk",
-           config + "/trunk/trunk.yaml",
-           Vec3(0, 0, 0.19),
-           0.04,
+  return {{"trunk", config + "/trunk/trunk.yaml", makeCircle(Vec3(0, 0, 0.19), 0.04, 8), {}, 8, {}},
+          {"trunk_contact",
+           config + "/trunk_cylinder/trunk_cylinder.yaml",
+           makeCircle(Vec3(0, 0, 0.195), 0.01, 8),
+           makePush(-0.033, 8),
            8,
-           100,
-           100,
-           {{"compliance", 10.09}, {"qp", 4.91}, {"cycle", 34.52}}}};
+           {{"compliance", 10.09}, {"qp", 4.91}, {"cycle", 34.52}}},
+          {"finger_contact",
+           config + "/finger/finger.yaml",
+           makeSway(Vec3(0, 0.005, 0.098), Vec3(0, 0.012, 0.075), 4),
+           {},
+           8,
+           {{"compliance", 0.64}, {"qp", 0.08}, {"cycle", 4.79}}}};
 }
 
 void pinToOneCore() {
@@ -77,11 +102,6 @@ const char* nameInstructionSet() {
 #endif
 }
 
-Vec3 calcTarget(const Scene& scene, double time) {
-  const double angle = kTurn * time / scene.turn;
-  return scene.centre + scene.radius * Vec3(std::cos(angle), std::sin(angle), 0);
-}
-
 int countRows(const RobotModel& robot) {
   int rows = robot.actuatorCount();
   for (const EffectorDescription& effector : robot.description().effectors) {
@@ -92,15 +112,48 @@ int countRows(const RobotModel& robot) {
 
 /// One line of the report, without its end.
 void printStage(const std::string& scene, const RobotModel& robot, const std::string& stage,
-                const DurationSample& sample, double thesis) {
+                const DurationSample& sample, int contacts, double thesis) {
   std::printf(
-      "scene=%s dofs=%d rows=%d contacts=0 threads=1 isa=%s stage=%s median_ms=%.3f p99_ms=%.3f max_ms=%.3f "
+      "scene=%s dofs=%d rows=%d contacts=%d threads=1 isa=%s stage=%s median_ms=%.3f p99_ms=%.3f max_ms=%.3f "
       "thesis_ms=%.2f",
-      scene.c_str(), robot.fem().size(), countRows(robot), nameInstructionSet(), stage.c_str(),
+      scene.c_str(), robot.fem().size(), countRows(robot), contacts, nameInstructionSet(), stage.c_str(),
       1e3 * sample.calcQuantile(0.5), 1e3 * sample.calcQuantile(0.99), 1e3 * sample.calcQuantile(1), thesis);
 }
 
-/// The controller's stages over one turn; returns the commands [m], one a cycle.
+/// Durations of every stage, and how many contacts there were at most.
+struct StageSamples {
+  DurationSample assembly, factor, detection, compliance, qp, cycle;
+  int contacts = 0;
+
+  void add(const CycleOutput& output) {
+    assembly.add(output.times.assembly);
+    factor.add(output.times.factor);
+    detection.add(output.times.detection);
+    compliance.add(output.times.compliance);
+    qp.add(output.times.qp);
+    cycle.add(output.times.cycle);
+    contacts = std::max(contacts, output.contacts.count);
+  }
+
+  void print(const Scene& scene, const RobotModel& robot) const {
+    const std::vector<std::pair<std::string, const DurationSample*>> stages = {
+        {"assembly", &assembly},     {"factor", &factor}, {"detection", &detection},
+        {"compliance", &compliance}, {"qp", &qp},         {"cycle", &cycle}};
+    for (const auto& [stage, sample] : stages) {
+      const auto thesis = scene.thesis.find(stage);
+      printStage(scene.name, robot, stage, *sample, contacts, thesis == scene.thesis.end() ? kNone : thesis->second);
+      std::printf("\n");
+    }
+  }
+};
+
+std::vector<ObstacleState> makeResting(const RobotModel& robot) {
+  std::vector<ObstacleState> states;
+  for (const Obstacle& obstacle : robot.obstacles()) states.push_back({obstacle.pose, true});
+  return states;
+}
+
+/// The controller's stages; returns the commands [m], one a cycle.
 std::vector<VecX> timeController(const Scene& scene, std::shared_ptr<const RobotModel> robot) {
   InverseController controller(robot);
   controller.resynchronise(VecX::Zero(robot->actuatorCount()));
@@ -108,28 +161,22 @@ std::vector<VecX> timeController(const Scene& scene, std::shared_ptr<const Robot
   CycleOutput output = controller.makeOutput();
   input.targeted.front() = true;
   input.period = 1 / scene.rate;
-  const int cycles = static_cast<int>(scene.turn * scene.rate);
-  DurationSample assembly, factor, compliance, qp, cycle;
+  const std::vector<ObstacleState> resting = makeResting(*robot);
+  const int cycles = static_cast<int>(scene.duration * scene.rate);
+  StageSamples samples;
   std::vector<VecX> commands;
-  for (int k = -cycles / 4; k < cycles; ++k) {  // the first quarter leads to the circle
-    input.targets.head<3>() = calcTarget(scene, k / scene.rate);
+  for (int k = -cycles / 4; k < cycles; ++k) {  // the first quarter leads to the curve
+    const double time = k / scene.rate;
+    input.targets.head<3>() = scene.target(time);
+    input.obstacles = resting;
+    if (scene.place_obstacles && k >= 0) scene.place_obstacles(time, input.obstacles);
     controller.step(input, output);
     rest(output.times.cycle);
     if (k < 0) continue;
-    assembly.add(output.times.assembly);
-    factor.add(output.times.factor);
-    compliance.add(output.times.compliance);
-    qp.add(output.times.qp);
-    cycle.add(output.times.cycle);
+    samples.add(output);
     commands.push_back(output.displacement);
   }
-  const std::vector<std::pair<std::string, const DurationSample*>> stages = {
-      {"assembly", &assembly}, {"factor", &factor}, {"compliance", &compliance}, {"qp", &qp}, {"cycle", &cycle}};
-  for (const auto& [stage, sample] : stages) {
-    const auto thesis = scene.thesis.find(stage);
-    printStage(scene.name, *robot, stage, *sample, thesis == scene.thesis.end() ? kNone : thesis->second);
-    std::printf("\n");
-  }
+  samples.print(scene, *robot);
   return commands;
 }
 
@@ -141,17 +188,22 @@ void timePlant(const Scene& scene, std::shared_ptr<const RobotModel> robot, cons
   actuation.value = commands.front();
   simulator.settle(actuation, 1e-3);
   DurationSample steps;
-  const auto stride = static_cast<std::size_t>(scene.rate / scene.plant_rate);
-  for (std::size_t k = 0; k < commands.size(); k += stride) {
+  int contacts = 0;
+  std::vector<ObstacleState> obstacles;
+  for (std::size_t k = 0; k < commands.size(); ++k) {
+    obstacles = makeResting(*robot);
+    if (scene.place_obstacles) scene.place_obstacles(static_cast<double>(k) / scene.rate, obstacles);
+    simulator.setObstacles(obstacles);
     actuation.value = commands[k];
     const Clock::time_point begin = Clock::now();
-    simulator.step(actuation, 1 / scene.plant_rate);
+    simulator.step(actuation, 1 / scene.rate);
     const double worked = std::chrono::duration<double>(Clock::now() - begin).count();
     steps.add(worked);
     rest(worked);
+    contacts = std::max(contacts, simulator.contacts().size());
   }
-  printStage(scene.name + "_plant", *robot, "cycle", steps, kNone);
-  std::printf(" core_percent=%.1f\n", 100 * steps.calcMean() * scene.plant_rate);
+  printStage(scene.name + "_plant", *robot, "cycle", steps, contacts, kNone);
+  std::printf(" core_percent=%.1f\n", 100 * steps.calcMean() * scene.rate);
 }
 
 void run(const Scene& scene) {
