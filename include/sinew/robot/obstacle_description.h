@@ -15,7 +15,7 @@ struct ObstacleGeometry {
   double radius = 0;               ///< m, of a sphere or cylinder
   double length = 0;               ///< m, of a cylinder, along its z axis
   Vec3 size = Vec3::Zero();        ///< m, edges of a box
-  std::string mesh_file;           ///< closed surface, normals outwards
+  std::string mesh_file;           ///< STL, a closed surface with normals outwards
   Vec3 scale = Vec3::Ones();       ///< m per unit of the mesh file
 };
 

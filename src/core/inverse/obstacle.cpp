@@ -1,11 +1,18 @@
 #include "sinew/inverse/obstacle.h"
 
-#include "sinew/common/config_error.h"
+#include "sinew/mesh/stl_reader.h"
 
 namespace sinew {
 namespace {
 
-ObstacleShape makeShape(const ObstacleDescription& obstacle, const ObstacleGeometry& geometry) {
+ObstacleShape makeMeshShape(const ObstacleGeometry& geometry) {
+  const StlMesh stl = readStl(geometry.mesh_file);
+  TriangleMesh mesh{stl.vertices, stl.triangles};
+  for (Vec3& vertex : mesh.vertices) vertex = vertex.cwiseProduct(geometry.scale);
+  return ObstacleShape::makeMesh(mesh);
+}
+
+ObstacleShape makeShape(const ObstacleGeometry& geometry) {
   switch (geometry.kind) {
     case ObstacleGeometry::Kind::kPlane:
       return ObstacleShape::makePlane();
@@ -18,8 +25,7 @@ ObstacleShape makeShape(const ObstacleDescription& obstacle, const ObstacleGeome
     case ObstacleGeometry::Kind::kMesh:
       break;
   }
-  throw ConfigError("obstacle '" + obstacle.name + "'", "a mesh, " + geometry.mesh_file,
-                    "a box, cylinder, sphere or plane");
+  return makeMeshShape(geometry);
 }
 
 }  // namespace
@@ -30,7 +36,7 @@ Obstacle makeObstacle(const ObstacleDescription& description) {
   obstacle.pose = description.pose;
   obstacle.tracked = description.tracked;
   for (const ObstacleGeometry& geometry : description.geometries) {
-    obstacle.parts.push_back({makeShape(description, geometry), geometry.origin});
+    obstacle.parts.push_back({makeShape(geometry), geometry.origin});
   }
   return obstacle;
 }
