@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <random>
 
@@ -12,7 +11,6 @@
 #include "sinew/solver/complementarity_tableau.h"
 #include "sinew/solver/piece_qp.h"
 #include "sinew/solver/qpcc_solver.h"
-#include "sinew/solver/qpcc_text.h"
 
 namespace sinew {
 namespace {
@@ -115,7 +113,10 @@ QpccProblem drawProblem(int number, std::mt19937& random) {
   if (variant == 3) limitRates(problem.soft_upper * share(), 0.2, problem);
   if (variant == 4) holdRow(0, 0.8 * share(), problem);
   if (variant == 5) holdRow(0, 1.2 + share(), problem);
-  if (variant == 6 && random() % 2 == 0) problem.row_lower(0) = problem.row_upper(0) = 10 * problem.row_upper(0);
+  if (variant == 6 && random() % 4 == 0) {
+    limitRates(VecX::Zero(na), 1, problem);
+    problem.row_lower(0) = problem.row_upper(0) = 100 * problem.row_upper(0);
+  }
   return problem;
 }
 

@@ -16,11 +16,11 @@ namespace sinew {
 /// each inactive one z_i = 0. Moving a contact between the sets is one rank-1 update.
 ///
 /// The diagonal of C_c is lifted by `kLift`, which keeps all pivots positive where contacts depend on each other. Its
-/// effect is kLift * C_ii z_i, that is 1e-8 of the depth to which the force alone would press: under 1 um for less than
-/// 100 m. Nothing allocates after construction.
+/// effect is kLift * C_ii z_i, that is 1e-9 of the depth to which the force alone would press: under 1 um for less than
+/// 1000 m. Nothing allocates after construction.
 class ComplementarityTableau {
  public:
-  static constexpr double kLift = 1e-10;
+  static constexpr double kLift = 1e-9;
 
   explicit ComplementarityTableau(const QpccSizes& capacity);
 
@@ -56,8 +56,9 @@ class ComplementarityTableau {
   /// the terms it is summed from.
   double calcDrift() const;
 
-  /// Pivots in the present active set afresh.
-  void rebuild();
+  /// Pivots in an active set from scratch, whatever that takes.
+  void rebuild(const std::vector<char>& active);
+  void rebuild() { rebuild(active_); }
 
   /// Computes `map()` afresh from the original maps, without the lift, by iterative refinement. Where the active
   /// contacts depend on each other and leave no exact solution, returns false and `map` is of no use.

@@ -41,7 +41,7 @@ class QpccRelaxation {
   MatX map_;                     ///< limited rows x (contacts, unknowns, 1)
   MatX G_;                       ///< of (z, x)
   VecX g_;                       ///< of (z, x)
-  MatX factor_, spread_, gram_;  ///< L, X = L^-1 [C_a E_c^T], X^T X, with C_c = L L^T
+  MatX factor_, spread_, gram_;  ///< U, X = U^-T [C_a E_c^T], X^T X, with C_c = U^T U
   MatX K_gram_, F_K_, schur_, small_;
   QpLimits limits_;
   double constant_ = 0, rho_ = 0, ridge_ = 0;

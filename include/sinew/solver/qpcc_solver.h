@@ -63,7 +63,7 @@ class QpccSolver {
   PieceAnswer polished_;
   MatX map_;  ///< of the piece to report
   std::vector<HeldRow> held_;
-  VecX start_, guess_, reach_;
+  VecX start_, held_start_, guess_, reach_;
   bool has_guess_ = false;
   std::vector<char> wanted_;
   std::uint64_t random_ = 0;

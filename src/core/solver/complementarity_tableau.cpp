@@ -39,7 +39,7 @@ void ComplementarityTableau::reset(const ScaledQpcc& problem) {
   const int rows = problem.tableRows();
   const int columns = problem.tableColumns();
   table_.topLeftCorner(rows, columns) = problem.table.topLeftCorner(rows, columns);
-  table_.diagonal().head(problem.size.contacts).array() += kLift;
+  table_.topLeftCorner(problem.size.contacts, problem.size.contacts).diagonal().array() += kLift;
   std::fill(active_.begin(), active_.end(), 0);
   active_count_ = 0;
   hash_ = 0;
@@ -91,12 +91,12 @@ void ComplementarityTableau::moveTo(const std::vector<char>& active) {
     if (wanted_[static_cast<std::size_t>(i)] != active_[static_cast<std::size_t>(i)]) pivot(i);
 }
 
-void ComplementarityTableau::rebuild() {
-  std::copy(active_.begin(), active_.end(), wanted_.begin());
-  const int count = active_count_;
+void ComplementarityTableau::rebuild(const std::vector<char>& active) {
+  std::copy(active.begin(), active.end(), wanted_.begin());
+  const auto count = std::count(wanted_.begin(), wanted_.begin() + problem_->size.contacts, 1);
   reset(*problem_);
   // The largest pivot first, which loses least.
-  for (int step = 0; step < count; ++step) {
+  for (std::ptrdiff_t step = 0; step < count; ++step) {
     int best = -1;
     for (int i = 0; i < problem_->size.contacts; ++i) {
       if (!wanted_[static_cast<std::size_t>(i)] || isActive(i)) continue;
@@ -136,7 +136,7 @@ bool ComplementarityTableau::refine(Eigen::Ref<MatX> map) {
     const auto original = problem_->table.col(nc + j).head(rows);
     auto force = map.col(j).head(rows);
     force = table_.col(nc + j).head(rows);
-    double left = 1;
+    double left = count > 0 ? 1 : 0;
     for (int pass = 0; pass < kMaxRefinements && left > 0.1 * kRefined; ++pass) {
       left = 0;
       for (int r = 0; r < count; ++r) {
@@ -148,7 +148,7 @@ bool ComplementarityTableau::refine(Eigen::Ref<MatX> map) {
       for (int r = 0; r < count; ++r)
         for (int k = 0; k < count; ++k) force(activeAt(r)) -= table_(activeAt(r), activeAt(k)) * gap_(k);
     }
-    if (!(left <= kRefined * std::max(1.0, original.head(nc).cwiseAbs().maxCoeff()))) return false;
+    if (!(left <= kRefined * std::max(1.0, original.head(nc).lpNorm<Eigen::Infinity>()))) return false;
 
     pivot_column_.head(rows) = original;
     for (int k = 0; k < count; ++k)

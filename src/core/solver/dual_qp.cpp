@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFeasibility = 1e-9;  // missing a limit
 constexpr double kRounding = 1e-13;    // the same, against the terms of the row
-constexpr double kDependent = 1e-12;   // squared share of a normal that the active ones do not span
+constexpr double kDependent = 1e-16;   // squared share of a normal that the active ones do not span
 constexpr double kBlocking = 1e-12;    // rate of a dual
 constexpr double kFlatPivot = 1e-14;   // pivot of G, against its diagonal
 

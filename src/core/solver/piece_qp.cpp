@@ -12,12 +12,16 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRidge = 1e-10;            // curvature given to flat directions, against the largest
 constexpr double kElasticCurvature = 1e-6;  // of x while violations are minimised
 constexpr double kViolated = 1e-8;          // violations below are none
-constexpr double kSlack = 2e-9;             // by which limits give way beyond the least violation
+constexpr double kSlack = 4e-9;             // by which limits give way beyond the least violation, against 1 + it
 constexpr double kSameViolation = 1e-7;
 constexpr double kSameObjective = 1e-9;  // relative
 constexpr double kNoObjective = 1e-14;   // absolute
 constexpr double kLeastDual = 1e-12;
 constexpr int kPolishPasses = 3;
+
+double widen(double violation) {
+  return violation > 0 ? violation + kSlack * (1 + violation) : 0;
+}
 
 }  // namespace
 
@@ -60,7 +64,7 @@ void PieceQp::updateObjective(const Eigen::Ref<const MatX>& map) {
     largest = std::max(largest, G_(j, j));
   }
   ridge_ = kRidge * (largest > 0 ? largest : 1);
-  G_.diagonal().head(n).array() += ridge_;
+  G_.topLeftCorner(n, n).diagonal().array() += ridge_;
 }
 
 /// The limits, widened by the violations of `relaxation`.
@@ -70,8 +74,8 @@ void PieceQp::updateLimits(const PieceMerit& relaxation) {
   const int nc = p.size.contacts;
   const int nr = p.size.rows;
   const int m = p.limitedRows();
-  const double rows = relaxation.row_violation > 0 ? relaxation.row_violation + kSlack : 0;
-  const double soft = relaxation.soft_violation > 0 ? relaxation.soft_violation + kSlack : 0;
+  const double rows = widen(relaxation.row_violation);
+  const double soft = widen(relaxation.soft_violation);
   limits_.lower.head(m) = p.row_lower.head(m);
   limits_.upper.head(m) = p.row_upper.head(m);
   limits_.lower.segment(nc, nr).array() -= rows;

@@ -1,6 +1,5 @@
 #include "sinew/solver/qpcc_relaxation.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,6 +17,7 @@ constexpr double kEnoughRho = 1e-6;  // for a smaller ridge to be kept
 constexpr double kMostRho = 1e2;
 constexpr double kCoarse = 8;  // factor between the first trials of rho
 constexpr int kBisections = 5;
+constexpr double kRounding = 1e-13;  // of a difference, against the terms
 constexpr double kSafePivot = 1e-6;  // of the convexity test, against the diagonal
 
 bool isDue(QpInterruption* interruption) {
@@ -35,6 +35,11 @@ bool factorise(Eigen::Ref<MatX> A, double least_share, QpInterruption* interrupt
     A(j, j) = std::sqrt(pivot);
   }
   return true;
+}
+
+/// U^T y = x in place.
+void solveTransposed(const Eigen::Ref<const MatX>& U, Eigen::Ref<VecX> x) {
+  for (int i = 0; i < x.size(); ++i) x(i) = (x(i) - U.col(i).head(i).dot(x.head(i))) / U(i, i);
 }
 
 }  // namespace
@@ -56,7 +61,7 @@ bool QpccRelaxation::prepare(const ScaledQpcc& problem, QpInterruption* interrup
   problem_ = &problem;
   const int m = problem.limitedRows();
   map_.topLeftCorner(m, problem.tableColumns()) = problem.table.topLeftCorner(m, problem.tableColumns());
-  map_.diagonal().head(problem.size.contacts).array() += ComplementarityTableau::kLift;
+  map_.topLeftCorner(problem.size.contacts, problem.size.contacts).diagonal().array() += ComplementarityTableau::kLift;
   if (!updateGrams(interruption)) return false;
   rho_ = 0;
   for (const double ridge : kRidges) {
@@ -84,22 +89,22 @@ bool QpccRelaxation::updateGrams(QpInterruption* interruption) {
   const int nc = p.size.contacts;
   const int na = p.size.unknowns;
   const int ne = p.size.effectors;
-  auto L = factor_.topLeftCorner(nc, nc);
-  L = map_.topLeftCorner(nc, nc);
-  if (!factorise(L, 0, interruption)) return false;
+  auto U = factor_.topLeftCorner(nc, nc);
+  U = map_.topLeftCorner(nc, nc);
+  if (!factorise(U, 0, interruption)) return false;
   auto X = spread_.topLeftCorner(nc, na + ne);
   X.leftCols(na) = map_.block(0, nc, nc, na);
   X.rightCols(ne) = p.table.block(p.limitedRows(), 0, ne, nc).transpose();
   for (int k = 0; k < X.cols(); ++k) {
     if (isDue(interruption)) return false;
-    for (int i = 0; i < nc; ++i) X(i, k) = (X(i, k) - L.col(i).head(i).dot(X.col(k).head(i))) / L(i, i);
+    solveTransposed(U, X.col(k));
   }
   for (int k = 0; k < X.cols(); ++k)
     for (int i = 0; i <= k; ++i) gram_(i, k) = gram_(k, i) = X.col(i).dot(X.col(k));
   return true;
 }
 
-/// In y = L^T z the Hessian is [2 rho I + F F^T, K; K^T, E_a^T E_a + Q] with B = L^-1 C_a, F = L^-1 E_c^T and
+/// In y = U z the Hessian is [2 rho I + F F^T, K; K^T, E_a^T E_a + Q] with B = U^-T C_a, F = U^-T E_c^T and
 /// K = rho B + F E_a. It is positive definite where its Schur complement in x is; the inverse of the first block is
 /// (I - F (2 rho I + F^T F)^-1 F^T) / (2 rho), so that products of B and F suffice.
 bool QpccRelaxation::isConvex(double rho) {
@@ -123,16 +128,15 @@ bool QpccRelaxation::isConvex(double rho) {
   U = FF;
   U.diagonal().array() += 2 * rho;
   if (!factorise(U, 0)) return false;
-  U.triangularView<Eigen::Upper>().transpose().solveInPlace(FK);
+  for (int j = 0; j < na; ++j) solveTransposed(U, FK.col(j));
   KK -= FK.transpose().lazyProduct(FK);
 
   S = p.Q.topLeftCorner(na, na);
   S += E_a.transpose().lazyProduct(E_a);
   S.diagonal().array() += ridge_;
-  // The diagonal to compare pivots with is that before the subtraction.
-  const double largest = S.diagonal().maxCoeff();
+  const double trace = S.trace();
   S -= KK / (2 * rho);
-  return S.diagonal().minCoeff() > 1e-13 * largest && factorise(S, kSafePivot);
+  return (S.diagonal().array() > kRounding * trace).all() && factorise(S, kSafePivot);
 }
 
 /// Zero if none will do. The set of those that do is an interval from zero, but for rounding where rho is small.

@@ -91,6 +91,7 @@ QpccSolver::QpccSolver(const QpccSizes& capacity)
       polished_(capacity),
       map_(capacity.contacts + capacity.rows + capacity.effectors, capacity.unknowns + 1),
       start_(capacity.unknowns),
+      held_start_(capacity.unknowns),
       guess_(capacity.unknowns),
       reach_(capacity.unknowns),
       wanted_(static_cast<std::size_t>(capacity.contacts), 0) {
@@ -141,8 +142,7 @@ bool QpccSolver::exploreTree() {
 void QpccSolver::startAtGuess(const QpccGuess& guess) {
   const int n = scaled_.size.unknowns;
   for (int k = 0; k < scaled_.size.contacts; ++k)
-    wanted_[static_cast<std::size_t>(k)] =
-        guess.active[static_cast<std::size_t>(scaled_.at(k))];
+    wanted_[static_cast<std::size_t>(k)] = guess.active[static_cast<std::size_t>(scaled_.at(k))];
   guess_.head(n) = guess.x.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
   reach_.head(n) = guess.reach.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
   tableau_.moveTo(wanted_);
@@ -189,20 +189,23 @@ double QpccSolver::drawUnit() {
   return static_cast<double>((bits ^ (bits >> 31)) >> 11) * 0x1p-53;
 }
 
-/// From the contacts of x with the equalities held, or, where that leads nowhere, without holding them.
+/// From the contacts of x, with the equalities held where that takes no x beyond its hard limits: the piece is then
+/// sure to hold a point within them.
 void QpccSolver::descendFrom(const Eigen::Ref<const VecX>& x) {
   const int n = scaled_.size.unknowns;
   if (tableau_.calcDrift() > kMostDrift) tableau_.rebuild();
-  start_.head(n) = x;
-  if (held_.empty() || !solveContactMcp(held_, start_.head(n), tableau_)) {
-    if (!held_.empty()) tableau_.rebuild();
-    start_.head(n) = x;
-    if (!solveContactLcp(start_.head(n), tableau_)) tableau_.rebuild();
-  }
+  auto start = held_start_.head(n);
+  start = x;
+  const bool held = !held_.empty() && solveContactMcp(held_, start, tableau_) &&
+                    (start.array() >= scaled_.x_lower.head(n).array()).all() &&
+                    (start.array() <= scaled_.x_upper.head(n).array()).all();
+  if (!held_.empty()) tableau_.rebuild();
+  if (!held && !solveContactLcp(x, tableau_)) tableau_.rebuild();
   descend();
 }
 
 void QpccSolver::descend() {
+  if (best_.answer.valid && budget_.due()) return;
   if (decomposition_.descend(!feasible(), tableau_, piece_, visited_, budget_, found_)) keep(found_);
 }
 
@@ -244,7 +247,7 @@ void QpccSolver::conclude(const QpccProblem& problem, const QpccGuess& guess, Qp
   if (moved) {
     polish(chosen);
     report(problem, solution);
-    if (!local_.answer.merit.feasible()) return;
+    if (!local_.answer.merit.feasible() || budget_.due()) return;
     const double objective = solution.objective;
     polish(local_);
     solution.decomposition_objective = polished_.merit.objective * scaled_.objectiveUnit();
@@ -259,8 +262,7 @@ void QpccSolver::conclude(const QpccProblem& problem, const QpccGuess& guess, Qp
 /// Solves the piece of a point without the regularisations of the search, where the piece allows.
 void QpccSolver::polish(const QpccPoint& point) {
   const int n = scaled_.size.unknowns;
-  tableau_.moveTo(point.active);
-  tableau_.rebuild();
+  tableau_.rebuild(point.active);
   auto map = map_.topLeftCorner(scaled_.tableRows(), n + 1);
   const PieceMerit& merit = point.answer.merit;
   if (tableau_.refine(map) && piece_.polish(map, merit, polished_)) return;

@@ -1,6 +1,7 @@
 #include "sinew/solver/qpcc_text.h"
 
-#include <iomanip>
+#include <algorithm>
+#include <exception>
 #include <limits>
 #include <utility>
 #include <vector>

@@ -151,8 +151,7 @@ void ScaledQpcc::updateRowScales(const QpccProblem& problem) {
 
 void ScaledQpcc::updateMagnitude(const QpccProblem& problem) {
   double largest = 0;
-  for (int k = 0; k < size.contacts; ++k)
-    largest = std::max(largest, contact_unit(k) * std::abs(problem.c(at(k))));
+  for (int k = 0; k < size.contacts; ++k) largest = std::max(largest, contact_unit(k) * std::abs(problem.c(at(k))));
   for (int r = 0; r < size.effectors; ++r) largest = std::max(largest, effector_scale * std::abs(problem.e(r)));
   for (int r = 0; r < problem.size.rows; ++r) {
     for (const double limit : {problem.row_lower(r), problem.row_upper(r)})
