@@ -46,7 +46,7 @@ PieceQp::PieceQp(const QpccSizes& capacity)
       g_(capacity.unknowns),
       shifted_(capacity.unknowns),
       elastic_g_(capacity.unknowns + 1) {
-  candidates_.reserve(static_cast<std::size_t>(3 * capacity.unknowns + 3));
+  candidates_.reserve(3 * static_cast<std::size_t>(capacity.unknowns) + 3);
 }
 
 void PieceQp::attach(const ScaledQpcc& problem) {

@@ -69,7 +69,7 @@ bool QpccTree::explore(int depth) {
 }
 
 bool QpccTree::exploreChild(int depth, int contact, bool pressing) {
-  nodes_[static_cast<std::size_t>(depth + 1)].copy(nodes_[static_cast<std::size_t>(depth)]);
+  nodes_[static_cast<std::size_t>(depth) + 1].copy(nodes_[static_cast<std::size_t>(depth)]);
   const int force = problem_->limitedRows() + contact;
   double& closed = relaxation_.limits().upper(pressing ? contact : force);
   closed = 0;
