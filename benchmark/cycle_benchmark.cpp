@@ -102,22 +102,15 @@ const char* nameInstructionSet() {
 #endif
 }
 
-int countRows(const RobotModel& robot) {
-  int rows = robot.actuatorCount();
-  for (const EffectorDescription& effector : robot.description().effectors) {
-    for (bool controlled : effector.axes) rows += controlled;
-  }
-  return rows;
-}
-
 /// One line of the report, without its end.
 void printStage(const std::string& scene, const RobotModel& robot, const std::string& stage,
                 const DurationSample& sample, int contacts, double thesis) {
   std::printf(
       "scene=%s dofs=%d rows=%d contacts=%d threads=1 isa=%s stage=%s median_ms=%.3f p99_ms=%.3f max_ms=%.3f "
       "thesis_ms=%.2f",
-      scene.c_str(), robot.fem().size(), countRows(robot), contacts, nameInstructionSet(), stage.c_str(),
-      1e3 * sample.calcQuantile(0.5), 1e3 * sample.calcQuantile(0.99), 1e3 * sample.calcQuantile(1), thesis);
+      scene.c_str(), robot.fem().size(), robot.actuatorCount() + robot.effectorRows(), contacts, nameInstructionSet(),
+      stage.c_str(), 1e3 * sample.calcQuantile(0.5), 1e3 * sample.calcQuantile(0.99), 1e3 * sample.calcQuantile(1),
+      thesis);
 }
 
 /// Durations of every stage, and how many contacts there were at most.

@@ -33,6 +33,7 @@ class RobotModel {
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
   int actuatorCount() const;
   int effectorCount() const;
+  int effectorRows() const;  ///< controlled axes of all effectors together
   /// m a node may move in one linearisation; where there are contacts, none may jump over what is watched.
   double maxNodeStep() const;
   int maxContacts() const;        ///< 0 where there is nothing to touch

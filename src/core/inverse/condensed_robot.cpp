@@ -20,14 +20,8 @@ double calcNegligibleLoad(const FemModel& fem) {
   return kNegligibleStrain * modulus * box.diagonal().squaredNorm();
 }
 
-int countEffectorRows(const RobotModel& robot) {
-  int rows = 0;
-  for (const PointEffector& effector : robot.effectors()) rows += effector.rowCount();
-  return rows;
-}
-
 int countRows(const RobotModel& robot) {
-  return robot.actuatorCount() + countEffectorRows(robot) + robot.maxContacts();
+  return robot.actuatorCount() + robot.effectorRows() + robot.maxContacts();
 }
 
 int countEntries(const RobotModel& robot) {
@@ -44,7 +38,7 @@ CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
       body_(robot_->fem(), robot_->description().gravity),
       rows_(robot_->fem(), countRows(*robot_), countEntries(*robot_)),
       actuators_(robot_->actuatorCount()),
-      effector_rows_(countEffectorRows(*robot_)),
+      effector_rows_(robot_->effectorRows()),
       half_(robot_->fem().size(), countRows(*robot_) + 1),
       compliance_(countRows(*robot_), countRows(*robot_)),
       effort_(VecX::Zero(actuators_)),

@@ -6,11 +6,8 @@
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
 #include "sinew/inverse/contact_finder.h"
-#include "sinew/inverse/contact_piece.h"
-#include "sinew/inverse/contact_search.h"
+#include "sinew/inverse/cycle_plan.h"
 #include "sinew/inverse/forward_step.h"
-#include "sinew/inverse/inverse_problem.h"
-#include "sinew/inverse/step_damping.h"
 
 namespace sinew {
 namespace {
@@ -19,18 +16,7 @@ constexpr double kSyncStep = 5e-3;  // m of cable per load step when the model i
 constexpr double kSyncTolerance = 1e-9;
 constexpr int kSyncIterations = 100;
 
-// Far from its goal the error is large and the curvature of the reachable positions, which the linear problem does not
-// see, decides over convergence: the change of effort is damped, and a gain too small to matter ends the chase.
-constexpr double kFarGoalDamping = 0.3;   // of the best-driven direction
-constexpr double kNegligibleGain = 2e-5;  // of the reach of one cycle
-
 constexpr double kOnLimit = 1e-9;  // of the range, within which a limit counts as reached
-
-int maxEffectorRows(const RobotModel& robot) {
-  int rows = 0;
-  for (const PointEffector& effector : robot.effectors()) rows += effector.rowCount();
-  return rows;
-}
 
 HoldReason reasonOf(ForwardStatus status) {
   switch (status) {
@@ -85,26 +71,14 @@ struct InverseController::Impl {
   std::unique_ptr<MovingBody> moving;  // of a dynamic robot
   ContactFinder finder;
   ForwardStep forward;
-  EffectorGoal goal;
-  ContactSearch search;
-  ContactPiece piece;
-  std::vector<char> none_pressing;
-  InverseProblem problem;
-  InverseProblemData data;
-  InverseProblemResult result;
+  CyclePlan plan;
   CycleLimits limits;
   Actuation held;
   VecX effort;               // N, total
   VecX command;              // m, of the last cycle
   VecX cycle_start;          // m, what the rates of this cycle count from
   VecX linear_displacement;  // m, actuators as the linear problem moves them
-  VecX contact_force;        // N, of this cycle's contacts
-  VecX contact_gap;          // m
-  VecX gap_shift, drift;     // m, of contacts and rows
-  VecX row_motion;           // m, every row
   VecX last_valid_effort;
-  StepDamping damping;
-  bool pressed = false;   // some contact did, in the last cycle
   bool prepared = false;  // `condensed` holds the linear problem of the next step
 
   explicit Impl(std::shared_ptr<const RobotModel> model)
@@ -112,23 +86,12 @@ struct InverseController::Impl {
         condensed(model),
         finder(*model),
         forward(*model),
-        goal(maxEffectorRows(*model)),
-        search(*model, maxEffectorRows(*model)),
-        piece(model->actuatorCount(), maxEffectorRows(*model), model->maxContacts()),
-        none_pressing(static_cast<std::size_t>(model->maxContacts()), 0),
-        problem(model->actuatorCount(), maxEffectorRows(*model), model->maxContacts()),
-        data(model->actuatorCount(), maxEffectorRows(*model), model->maxContacts()),
-        result(model->actuatorCount()),
+        plan(*model),
         limits(model->actuatorCount()),
         effort(VecX::Zero(model->actuatorCount())),
         command(VecX::Zero(model->actuatorCount())),
         cycle_start(VecX::Zero(model->actuatorCount())),
         linear_displacement(VecX::Zero(model->actuatorCount())),
-        contact_force(VecX::Zero(model->maxContacts())),
-        contact_gap(VecX::Zero(model->maxContacts())),
-        gap_shift(VecX::Zero(model->maxContacts())),
-        drift(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model))),
-        row_motion(VecX::Zero(model->actuatorCount() + maxEffectorRows(*model) + model->maxContacts())),
         last_valid_effort(VecX::Zero(model->actuatorCount())) {
     held.mode.assign(static_cast<std::size_t>(actuators()), Actuation::Mode::kDisplacement);
     held.value = VecX::Zero(actuators());
@@ -163,112 +126,6 @@ struct InverseController::Impl {
     }
   }
 
-  // The targeted effectors' rows and their present error. A goal farther than the reach of one cycle is chased part of
-  // the way: one factor for all rows keeps the stationary points. What the body would move by itself is added whole.
-  double gatherGoal(const CycleInput& input, CycleOutput& output) {
-    int row = actuators(), used = 0;
-    goal.rows.clear();
-    for (int e = 0; e < robot->effectorCount(); ++e) {
-      const PointEffector& effector = robot->effectors()[e];
-      const int count = effector.rowCount();
-      if (input.targeted[e]) {
-        effector.calcError(condensed.body().positions(), input.targets.segment<3>(3 * e), goal.error.data() + used);
-        for (int k = 0; k < count; ++k) goal.rows.push_back(row + k);
-        used += count;
-      }
-      row += count;
-    }
-    const ControlDescription& control = robot->description().control;
-    const double distance = goal.error.head(used).norm();
-    output.goal_scale = distance > control.reach_per_cycle ? control.reach_per_cycle / distance : 1.0;
-    for (int k = 0; k < used; ++k)
-      goal.error[k] = output.goal_scale * goal.error[k] + condensed.freeMotion()[goal.rows[k]];
-    data.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * control.reach_per_cycle : 0;
-    return distance;
-  }
-
-  // How far the rows would move with efforts as they are, the moving of obstacles apart: what the last step left.
-  double calcDrift() {
-    const int n = actuators(), rows = piece.firstContact();
-    for (int i = 0; i < piece.contacts(); ++i) gap_shift[i] = finder.calcGapShift(i);
-    piece.calcResponse(gap_shift, drift);
-    drift.head(rows) = piece.value().head(rows) - drift.head(rows);
-    drift.head(n) -= condensed.displacement();
-    return drift.head(rows).norm();
-  }
-
-  double calcDamping(double goal_scale) const {
-    return robot->description().control.smoothing + damping.value() + kFarGoalDamping * (1 - goal_scale);
-  }
-
-  // The inverse problem within the present piece, contact forces eliminated.
-  void gatherProblem(double goal_scale) {
-    const int n = actuators();
-    data.damping = calcDamping(goal_scale);
-    data.effector_rows = static_cast<int>(goal.rows.size());
-    for (int k = 0; k < data.effector_rows; ++k) {
-      const int row = goal.rows[k];
-      data.W_ea.row(k) = piece.W().row(row);
-      data.effector_error[k] = goal.error[k] + (piece.value()[row] - condensed.freeMotion()[row]);
-    }
-    data.unit_compliance = condensed.compliance().diagonal().head(n);
-    data.W_aa = piece.W().topRows(n);
-    data.displacement = piece.value().head(n);
-    data.effort = effort;
-    data.contacts = piece.contacts();
-    data.W_ca.topRows(data.contacts) = piece.W().bottomRows(data.contacts);
-    data.contact.head(data.contacts) = piece.value().tail(data.contacts);
-    data.contact_slack.head(data.contacts).setZero();
-  }
-
-  // The search has found a point of the piece; rounding must not make it look impossible.
-  void allowSearched() {
-    const VecX& found = search.solution().x;
-    for (int i = 0; i < data.contacts; ++i) {
-      data.contact_slack[i] = std::max(0.0, -(data.contact[i] + data.W_ca.row(i).dot(found.head(actuators()))));
-    }
-  }
-
-  bool searchPiece(CycleOutput& output) {
-    const QpccStatus status =
-        search.solve(condensed, finder.list(), goal, limits, effort, calcDamping(output.goal_scale));
-    const QpccSolution& found = search.solution();
-    output.contacts.proved_global = found.proved_global;
-    output.contacts.declined_better = found.declined_better;
-    output.contacts.pieces += found.pieces;
-    output.contacts.nodes += found.nodes;
-    return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) && piece.reduce(condensed, found.active);
-  }
-
-  HoldReason planEfforts(const CycleInput& input, CycleOutput& output) {
-    const StageTimer timer(output.times.qp);
-    if (!std::isfinite(gatherGoal(input, output))) return HoldReason::kNotFinite;
-    const int contacts = condensed.contacts();
-    if (contacts == 0) {
-      piece.reduce(condensed, none_pressing);
-    } else if (!searchPiece(output)) {
-      return HoldReason::kQpFailed;
-    }
-    const bool let_go = pressed && contacts == 0;  // what held the body is gone: no fault of the last step
-    damping.update(let_go ? 0 : calcDrift());
-    gatherProblem(output.goal_scale);
-    if (contacts > 0) allowSearched();
-    output.qp_status = problem.solve(data, limits, result);
-    output.qp_iterations += result.iterations;
-    if (output.qp_status != QpStatus::kSolved) {
-      if (contacts == 0 || search.solution().status != QpccStatus::kSolved) return HoldReason::kQpFailed;
-      result.effort_change = search.solution().x.head(actuators());
-      result.effort_violation.setZero();
-    }
-    piece.calcContacts(result.effort_change, contact_force, contact_gap);
-    pressed = (contact_force.head(contacts).array() > 0).any();
-    row_motion.head(condensed.rows()) = condensed.freeMotion();
-    row_motion.head(condensed.rows()).noalias() += condensed.compliance().leftCols(actuators()) * result.effort_change;
-    row_motion.head(condensed.rows()).noalias() +=
-        condensed.compliance().rightCols(contacts) * contact_force.head(contacts);
-    return HoldReason::kNone;
-  }
-
   HoldReason factorise(StageTimes& times) {
     condensed.linearise(effort, StepRule(), times);
     if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
@@ -284,14 +141,19 @@ struct InverseController::Impl {
       condensed.addContacts(finder);
     }
     condensed.condense(output.times);
-    reason = planEfforts(input, output);
+    {
+      const StageTimer timer(output.times.qp);
+      reason = plan.make(condensed, finder, input, limits, effort, output);
+    }
     if (reason != HoldReason::kNone) return reason;
 
-    const double scale = condensed.advance(result.effort_change, contact_force.head(condensed.contacts()),
-                                           robot->maxNodeStep(), output.times);
-    effort += scale * result.effort_change;
-    damping.recordStep(scale * row_motion.head(condensed.firstContact()).norm());
-    linear_displacement = condensed.displacement() + scale * row_motion.head(actuators());
+    const double scale =
+        condensed.advance(plan.effortChange(), plan.contactForce(), robot->maxNodeStep(), output.times);
+    effort += scale * plan.effortChange();
+    plan.recordStep(scale);
+    linear_displacement = condensed.displacement() + scale * plan.actuatorMotion();
+    output.contacts.force.head(condensed.contacts()) = plan.contactForce();
+    output.contacts.gap.head(condensed.contacts()) = plan.contactGap();
     return linear_displacement.allFinite() && effort.allFinite() ? HoldReason::kNone : HoldReason::kNotFinite;
   }
 
@@ -311,8 +173,6 @@ struct InverseController::Impl {
     output.displacement = command;
     output.effort = effort;
     output.contacts.count = finder.list().size();
-    output.contacts.force.head(output.contacts.count) = contact_force.head(output.contacts.count);
-    output.contacts.gap.head(output.contacts.count) = contact_gap.head(output.contacts.count);
   }
 
   void reportLimits(CycleOutput& output) {
@@ -389,7 +249,7 @@ struct InverseController::Impl {
         return hold(input, reason, output);
       }
       ++output.newton_steps;
-      gave_way = result.effort_violation.maxCoeff() > kOnLimit;
+      gave_way = plan.effortViolation().maxCoeff() > kOnLimit;
     }
     // Rounding must not carry a command past a hard limit.
     command = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
@@ -406,9 +266,12 @@ struct InverseController::Impl {
     cycle_start = displacement;
     updateLimits(input.period);
     const ForwardStatus status = forward.step(held, StepRule(), activeOrNull(finder), condensed, effort, output.times);
-    search.forget();
+    plan.forget();
     output.qp_iterations = forward.qpIterations();
     output.newton_steps = 1;
+    output.contacts.force.head(condensed.contacts()) = forward.contactForce();
+    output.contacts.gap.head(condensed.contacts()) = condensed.gap();
+    output.contacts.proved_global = false;
     if (status != ForwardStatus::kSolved) {
       condensed.body().abandonStep();
       return hold(input, reasonOf(status), output);
@@ -511,9 +374,7 @@ double InverseController::resynchronise(const VecX& measured) {
   }
   impl.command = measured;
   if (impl.moving) impl.moving->place(impl.condensed.body().positions(), impl.effort);
-  impl.damping.reset();
-  impl.problem.forget();
-  impl.search.forget();
+  impl.plan.forget();
   return impl.distanceTo(measured);
 }
 
@@ -524,9 +385,7 @@ void InverseController::reset() {
   if (impl_->moving) impl_->moving->place(impl_->condensed.body().positions(), impl_->effort);
   impl_->command.setZero();
   impl_->last_valid_effort.setZero();
-  impl_->damping.reset();
-  impl_->problem.forget();
-  impl_->search.forget();
+  impl_->plan.forget();
 }
 
 const ContactList& InverseController::contacts() const {

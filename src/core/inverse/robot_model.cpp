@@ -216,6 +216,12 @@ int RobotModel::effectorCount() const {
   return static_cast<int>(effectors_.size());
 }
 
+int RobotModel::effectorRows() const {
+  int rows = 0;
+  for (const PointEffector& effector : effectors_) rows += effector.rowCount();
+  return rows;
+}
+
 double RobotModel::maxNodeStep() const {
   const double step = description_.control.max_node_step;
   return maxContacts() > 0 ? std::min(step, description_.contacts.alarm_distance) : step;

@@ -1,0 +1,159 @@
+#include "sinew/inverse/cycle_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sinew/constraint/point_effector.h"
+
+namespace sinew {
+namespace {
+
+// Far from its goal the error is large and the curvature of the reachable positions, which the linear problem does not
+// see, decides over convergence: the change of effort is damped, and a gain too small to matter ends the chase.
+constexpr double kFarGoalDamping = 0.3;   // of the best-driven direction
+constexpr double kNegligibleGain = 2e-5;  // of the reach of one cycle
+
+}  // namespace
+
+CyclePlan::CyclePlan(const RobotModel& robot)
+    : robot_(robot),
+      goal_(robot.effectorRows()),
+      search_(robot, robot.effectorRows()),
+      piece_(robot.actuatorCount(), robot.effectorRows(), robot.maxContacts()),
+      none_pressing_(static_cast<std::size_t>(robot.maxContacts()), 0),
+      problem_(robot.actuatorCount(), robot.effectorRows(), robot.maxContacts()),
+      data_(robot.actuatorCount(), robot.effectorRows(), robot.maxContacts()),
+      result_(robot.actuatorCount()),
+      contact_force_(VecX::Zero(robot.maxContacts())),
+      contact_gap_(VecX::Zero(robot.maxContacts())),
+      gap_shift_(VecX::Zero(robot.maxContacts())),
+      drift_(VecX::Zero(robot.actuatorCount() + robot.effectorRows())),
+      row_motion_(VecX::Zero(robot.actuatorCount() + robot.effectorRows() + robot.maxContacts())) {}
+
+void CyclePlan::recordStep(double scale) {
+  damping_.recordStep(scale * row_motion_.head(drift_.size()).norm());
+}
+
+void CyclePlan::forget() {
+  damping_.reset();
+  problem_.forget();
+  search_.forget();
+  pressed_ = false;
+}
+
+// The targeted effectors' rows and their present error. A goal farther than the reach of one cycle is chased part of
+// the way: one factor for all rows keeps the stationary points. What the body would move by itself is added whole.
+double CyclePlan::gatherGoal(const CondensedRobot& robot, const CycleInput& input, CycleOutput& output) {
+  int row = robot.actuators(), used = 0;
+  goal_.rows.clear();
+  for (int e = 0; e < robot_.effectorCount(); ++e) {
+    const PointEffector& effector = robot_.effectors()[e];
+    const int count = effector.rowCount();
+    if (input.targeted[e]) {
+      effector.calcError(robot.body().positions(), input.targets.segment<3>(3 * e), goal_.error.data() + used);
+      for (int k = 0; k < count; ++k) goal_.rows.push_back(row + k);
+      used += count;
+    }
+    row += count;
+  }
+  const double reach = robot_.description().control.reach_per_cycle;
+  const double distance = goal_.error.head(used).norm();
+  output.goal_scale = distance > reach ? reach / distance : 1.0;
+  for (int k = 0; k < used; ++k) {
+    goal_.error[k] = output.goal_scale * goal_.error[k] + robot.freeMotion()[goal_.rows[k]];
+  }
+  data_.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * reach : 0;
+  return distance;
+}
+
+bool CyclePlan::searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleLimits& limits,
+                            const VecX& effort, CycleOutput& output) {
+  const QpccStatus status = search_.solve(robot, finder.list(), goal_, limits, effort, calcDamping(output.goal_scale));
+  const QpccSolution& found = search_.solution();
+  output.contacts.proved_global = found.proved_global;
+  output.contacts.declined_better = found.declined_better;
+  output.contacts.pieces += found.pieces;
+  output.contacts.nodes += found.nodes;
+  return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) && piece_.reduce(robot, found.active);
+}
+
+// How far the rows would move with efforts as they are, the moving of obstacles apart: what the last step left.
+double CyclePlan::calcDrift(const CondensedRobot& robot, const ContactFinder& finder) {
+  for (int i = 0; i < contacts_; ++i) gap_shift_[i] = finder.calcGapShift(i);
+  piece_.calcResponse(gap_shift_, drift_);
+  drift_ = piece_.value().head(drift_.size()) - drift_;
+  drift_.head(robot.actuators()) -= robot.displacement();
+  return drift_.norm();
+}
+
+double CyclePlan::calcDamping(double goal_scale) const {
+  return robot_.description().control.smoothing + damping_.value() + kFarGoalDamping * (1 - goal_scale);
+}
+
+// The inverse problem within the present piece, contact forces eliminated.
+void CyclePlan::gatherProblem(const CondensedRobot& robot, const VecX& effort, double goal_scale) {
+  const int n = robot.actuators();
+  data_.damping = calcDamping(goal_scale);
+  data_.effector_rows = static_cast<int>(goal_.rows.size());
+  for (int k = 0; k < data_.effector_rows; ++k) {
+    const int row = goal_.rows[k];
+    data_.W_ea.row(k) = piece_.W().row(row);
+    data_.effector_error[k] = goal_.error[k] + (piece_.value()[row] - robot.freeMotion()[row]);
+  }
+  data_.unit_compliance = robot.compliance().diagonal().head(n);
+  data_.W_aa = piece_.W().topRows(n);
+  data_.displacement = piece_.value().head(n);
+  data_.effort = effort;
+  data_.contacts = contacts_;
+  data_.W_ca.topRows(contacts_) = piece_.W().bottomRows(contacts_);
+  data_.contact.head(contacts_) = piece_.value().tail(contacts_);
+  data_.contact_slack.head(contacts_).setZero();
+}
+
+// The search has found a point of the piece; rounding must not make it look impossible.
+void CyclePlan::allowSearched() {
+  const auto found = search_.solution().x.head(robot_.actuatorCount());
+  for (int i = 0; i < contacts_; ++i) {
+    data_.contact_slack[i] = std::max(0.0, -(data_.contact[i] + data_.W_ca.row(i).dot(found)));
+  }
+}
+
+// Where the last digits fail the programme, the answer of the search stands.
+bool CyclePlan::solveProblem(const CycleLimits& limits, CycleOutput& output) {
+  output.qp_status = problem_.solve(data_, limits, result_);
+  output.qp_iterations += result_.iterations;
+  if (output.qp_status == QpStatus::kSolved) return true;
+  if (contacts_ == 0 || search_.solution().status != QpccStatus::kSolved) return false;
+  result_.effort_change = search_.solution().x.head(robot_.actuatorCount());
+  result_.effort_violation.setZero();
+  return true;
+}
+
+void CyclePlan::calcMotion(const CondensedRobot& robot) {
+  piece_.calcContacts(result_.effort_change, contact_force_, contact_gap_);
+  auto motion = row_motion_.head(robot.rows());
+  motion = robot.freeMotion();
+  motion.noalias() += robot.compliance().leftCols(robot.actuators()) * result_.effort_change;
+  motion.noalias() += robot.compliance().rightCols(contacts_) * contactForce();
+}
+
+HoldReason CyclePlan::make(const CondensedRobot& robot, const ContactFinder& finder, const CycleInput& input,
+                           const CycleLimits& limits, const VecX& effort, CycleOutput& output) {
+  if (!std::isfinite(gatherGoal(robot, input, output))) return HoldReason::kNotFinite;
+  contacts_ = robot.contacts();
+  if (contacts_ == 0) {
+    piece_.reduce(robot, none_pressing_);
+  } else if (!searchPiece(robot, finder, limits, effort, output)) {
+    return HoldReason::kQpFailed;
+  }
+  const bool let_go = pressed_ && contacts_ == 0;  // what held the body is gone: no fault of the last step
+  damping_.update(let_go ? 0 : calcDrift(robot, finder));
+  gatherProblem(robot, effort, output.goal_scale);
+  if (contacts_ > 0) allowSearched();
+  if (!solveProblem(limits, output)) return HoldReason::kQpFailed;
+  calcMotion(robot);
+  pressed_ = (contactForce().array() > 0).any();
+  return HoldReason::kNone;
+}
+
+}  // namespace sinew
