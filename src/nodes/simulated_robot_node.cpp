@@ -4,6 +4,7 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/ros.h>
 #include <sinew/BodyState.h>
+#include <sinew/ContactArray.h>
 #include <sinew/EffectorTargets.h>
 #include <sinew/InjectFault.h>
 
@@ -14,6 +15,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "callback_thread.h"
@@ -22,6 +24,7 @@
 #include "ros_conversions.h"
 #include "simulated_robot_node_faults.h"
 #include "simulated_robot_node_load.h"
+#include "simulated_robot_node_obstacles.h"
 #include "simulated_robot_node_plant.h"
 #include "simulated_robot_node_settings.h"
 #include "simulated_robot_node_tracker.h"
@@ -47,6 +50,12 @@ SimulatedPlant makePlant(const SimulatedRobotSettings& settings) {
   return {settings.robot, settings.deviations};
 }
 
+std::unique_ptr<SimulatedObstacles> makeObstacles(ros::NodeHandle node, std::shared_ptr<const RobotModel> robot) {
+  const std::vector<Obstacle>& obstacles = robot->obstacles();
+  const bool tracked = std::any_of(obstacles.begin(), obstacles.end(), [](const Obstacle& o) { return o.tracked; });
+  return tracked ? std::make_unique<SimulatedObstacles>(node, std::move(robot)) : nullptr;
+}
+
 class SimulatedRobotNode {
  public:
   SimulatedRobotNode(ros::NodeHandle node, ros::NodeHandle private_node, const SimulatedRobotSettings& settings)
@@ -58,6 +67,7 @@ class SimulatedRobotNode {
         faults_(bus_, settings.actuators(), settings.line, [this](double duration) { disconnect(duration); }),
         tracker_(settings.tracker),
         node_(node),
+        obstacles_(makeObstacles(node, plant_.sharedRobot())),
         diagnostics_(node, private_node) {
     advertise(private_node);
     connect();
@@ -84,6 +94,9 @@ class SimulatedRobotNode {
     effectors_ = node_.advertise<EffectorTargets>("plant/effectors", 10);
     body_message_ = makeBodyMessage(plant_.robot());
     body_ = node_.advertise<BodyState>("plant/body_state", 2);
+    contacts_message_.header.frame_id = description.frame;
+    part_owners_ = listPartOwners(plant_.robot());
+    contacts_ = node_.advertise<ContactArray>("plant/contacts", 10);
     inject_ = private_node.advertiseService("inject", &SimulatedRobotNode::onInject, this);
     diagnostics_.setHardwareID("simulated");
     diagnostics_.add("simulated robot", this, &SimulatedRobotNode::diagnose);
@@ -148,10 +161,12 @@ class SimulatedRobotNode {
       const ros::Time stamp = ros::Time::now();
       const double time = steadyNow();
       reeled_in_.update();
+      if (obstacles_) plant_.setObstacles(obstacles_->update(time));
       plant_.step(reeled_in_.front(), wake_up.period());
       tension_.write(plant_.simulator().effort());
       track(stamp, time);
       publishEffectors(stamp);
+      publishContacts(stamp);
       if (step % steps_per_display == 0) publishBody(stamp);
       skipped_steps_ = wake_up.skipped();
       failed_steps_ = plant_.failedSteps();
@@ -182,6 +197,18 @@ class SimulatedRobotNode {
       effectors_message_.pose[effector] = makePose(plant_.simulator().effectors(), effector);
     }
     effectors_.publish(effectors_message_);
+  }
+
+  void publishContacts(ros::Time stamp) {
+    if (contacts_.getNumSubscribers() == 0) return;
+    const ForwardSimulator& simulator = plant_.simulator();
+    contacts_message_.header.stamp = stamp;
+    contacts_message_.contacts.clear();
+    for (int i = 0; i < simulator.contacts().size(); ++i) {
+      const ContactRow& row = simulator.contacts().row(i);
+      contacts_message_.contacts.push_back(makeContactMessage(row, simulator.contactForce()[i], row.gap, part_owners_));
+    }
+    contacts_.publish(contacts_message_);
   }
 
   void publishBody(ros::Time stamp) {
@@ -237,13 +264,16 @@ class SimulatedRobotNode {
   std::unique_ptr<PseudoTerminal> terminal_;
 
   ros::NodeHandle node_;
+  std::unique_ptr<SimulatedObstacles> obstacles_;  // body thread; null where none is tracked
   diagnostic_updater::Updater diagnostics_;
   std::vector<ros::Publisher> tracked_;
-  ros::Publisher effectors_, body_;
+  ros::Publisher effectors_, body_, contacts_;
   ros::ServiceServer inject_;
   ros::WallTimer diagnostics_timer_, reconnect_timer_;
   EffectorTargets effectors_message_;
   BodyState body_message_;
+  ContactArray contacts_message_;
+  std::vector<std::string> part_owners_;
   std::vector<Vec3> cable_points_;
 
   std::atomic<bool> running_{true};

@@ -26,6 +26,10 @@ class SimulatedPlant {
   SimulatedPlant(const RobotDescription& drawn, const PlantDeviations& deviations);
 
   const RobotModel& robot() const { return *robot_; }
+  const std::shared_ptr<const RobotModel>& sharedRobot() const { return robot_; }
+
+  /// Where the obstacles are from the next step on, in the order of the robot's description.
+  void setObstacles(const std::vector<ObstacleState>& obstacles) { simulator_.setObstacles(obstacles); }
 
   /// Moves on by `period` [s] with `reeled_in` [m per actuator, by the servos' angles]. A step that fails leaves the
   /// body where it was, or at rest when nothing finite is left of it, and is counted.

@@ -1,5 +1,7 @@
-// Draws the body, its cables, the effectors and the limits reached, and lets the user drag the targets.
+// Draws the body, its cables, the effectors, the limits reached, obstacles and contacts, and lets the user drag the
+// targets and, in simulation, the obstacles.
 
+#include <ros/message_event.h>
 #include <ros/ros.h>
 #include <sinew/BodyState.h>
 #include <sinew/ControllerState.h>
@@ -11,20 +13,27 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "parameters.h"
 #include "ros_conversions.h"
+#include "sinew/robot/robot_description.h"
 #include "visualization_node_drawing.h"
 #include "visualization_node_handles.h"
+#include "visualization_node_obstacle_handles.h"
+#include "visualization_node_obstacles.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kStale = 1.0;          // s after which a message is drawn no more
-constexpr double kTrailSpacing = 0.02;  // s between two points of a trail
-constexpr double kHandleSize = 0.18;    // of the body's extent
-constexpr double kTrailWidth = 0.004;   // of the body's extent
-constexpr double kDefaultReach = 0.45;  // radius of the default workspace, of the body's extent
+constexpr double kStale = 1.0;            // s after which a message is drawn no more
+constexpr double kTrailSpacing = 0.02;    // s between two points of a trail
+constexpr double kHandleSize = 0.18;      // of the body's extent
+constexpr double kTrailWidth = 0.004;     // of the body's extent
+constexpr double kContactRadius = 0.006;  // of the body's extent
+constexpr double kLongestForce = 0.5;     // of the body's extent
+constexpr double kPlaneSize = 3;          // of the body's extent
+constexpr double kDefaultReach = 0.45;    // radius of the default workspace, of the body's extent
 
 const Colour kSilicone(0.98, 0.66, 0.48, 0.62);
 const Colour kSiliconeEdges(0.45, 0.20, 0.12, 0.25);
@@ -39,7 +48,20 @@ struct Settings {
   bool interactive;
   Workspace workspace;
   bool workspace_given;
+  std::vector<Obstacle> obstacles;
+  bool interactive_obstacles;
+  double obstacle_speed;  // m/s
+  double force_scale;     // m/N
 };
+
+std::vector<Obstacle> readObstacles(const Parameters& parameters) {
+  std::vector<Obstacle> obstacles;
+  if (!parameters.has("robot")) return obstacles;
+  for (const ObstacleDescription& description : readRobotDescription(parameters.text("robot")).obstacles) {
+    obstacles.push_back(makeObstacle(description));
+  }
+  return obstacles;
+}
 
 Settings readSettings(const Parameters& parameters) {
   Settings settings;
@@ -47,6 +69,10 @@ Settings readSettings(const Parameters& parameters) {
   settings.trail_duration = parameters.numberOr("trail_duration", 10, 0.1, 600);
   settings.world_frame = parameters.textOr("world_frame", "world");
   settings.interactive = parameters.flagOr("interactive", true);
+  settings.obstacles = readObstacles(parameters);
+  settings.interactive_obstacles = parameters.flagOr("interactive_obstacles", false);
+  settings.obstacle_speed = parameters.numberOr("obstacle_speed", 0.05, 1e-4, 10);
+  settings.force_scale = parameters.numberOr("force_scale", 0.1, 1e-6, 1e3);
   Workspace& workspace = settings.workspace;
   settings.workspace_given = parameters.has("workspace/min") || parameters.has("workspace/max") ||
                              parameters.has("workspace/radius") || parameters.has("workspace/centre");
@@ -67,10 +93,15 @@ class VisualizationNode {
       : settings_(settings),
         listener_(transforms_),
         handles_(makeHandles(node)),
+        obstacle_handles_(makeObstacleHandles(node)),
+        obstacle_drawing_(settings.obstacles),
         markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 2)),
         body_subscriber_(node.subscribe("body_state", 2, &VisualizationNode::onBody, this)),
         plant_subscriber_(node.subscribe("plant/body_state", 2, &VisualizationNode::onPlant, this)),
         controller_subscriber_(node.subscribe("controller_state", 10, &VisualizationNode::onController, this)),
+        contacts_subscriber_(node.subscribe("contacts", 2, &VisualizationNode::onContacts, this)),
+        obstacles_subscriber_(node.subscribe("obstacles", 2, &VisualizationNode::onObstacles, this)),
+        tracked_subscriber_(node.subscribe("tracked_obstacles", 10, &VisualizationNode::onTracked, this)),
         timer_(node.createWallTimer(ros::WallDuration(1 / settings.rate), &VisualizationNode::draw, this)) {}
 
  private:
@@ -95,6 +126,27 @@ class VisualizationNode {
     if (!settings_.interactive) return nullptr;
     return std::make_unique<TargetHandles>(node.resolveName("target_handles"),
                                            node.advertise<EffectorTargets>("targets", 10), transforms_);
+  }
+
+  std::unique_ptr<ObstacleHandles> makeObstacleHandles(ros::NodeHandle& node) const {
+    if (!settings_.interactive_obstacles) return nullptr;
+    return std::make_unique<ObstacleHandles>(node.resolveName("obstacle_handles"),
+                                             node.advertise<TrackedObstacles>("tracked_obstacles", 10), transforms_,
+                                             settings_.obstacles, settings_.obstacle_speed);
+  }
+
+  void onContacts(const ContactArray::ConstPtr& message) {
+    if (!message->header.frame_id.empty()) contacts_.set(message);
+  }
+
+  void onObstacles(const TrackedObstacles::ConstPtr& message) {
+    if (!message->header.frame_id.empty()) obstacles_.set(message);
+  }
+
+  void onTracked(const ros::MessageEvent<const TrackedObstacles>& event) {
+    if (obstacle_handles_ && event.getPublisherName() != ros::this_node::getName()) {
+      obstacle_handles_->yield(*event.getConstMessage());
+    }
   }
 
   void onBody(const BodyState::ConstPtr& message) {
@@ -141,6 +193,10 @@ class VisualizationNode {
 
   void draw(const ros::WallTimerEvent&) {
     if (handles_ && controller_.fresh() && extent_ > 0) updateHandles(*controller_.message);
+    if (obstacle_handles_) {
+      if (obstacles_.fresh()) obstacle_handles_->update(*obstacles_.message);
+      obstacle_handles_->report(1 / settings_.rate);
+    }
     if (markers_.getNumSubscribers() == 0) return;
     visualization_msgs::MarkerArray markers;
     if (plant_.fresh()) {
@@ -152,7 +208,17 @@ class VisualizationNode {
       addBody(*body_.message, style, calcLight(body_.message->header.frame_id), extent_, markers);
     }
     if (controller_.fresh() && extent_ > 0) drawController(*controller_.message, markers);
+    if (extent_ > 0) drawSurroundings(markers);
     if (!markers.markers.empty()) markers_.publish(markers);
+  }
+
+  void drawSurroundings(visualization_msgs::MarkerArray& markers) const {
+    if (obstacles_.fresh()) {
+      const Light light = calcLight(obstacles_.message->header.frame_id);
+      obstacle_drawing_.add(*obstacles_.message, light, kPlaneSize * extent_, markers);
+    }
+    const ContactStyle style{kContactRadius * extent_, settings_.force_scale, kLongestForce * extent_};
+    if (contacts_.fresh()) addContacts(*contacts_.message, style, markers);
   }
 
   void drawController(const ControllerState& state, visualization_msgs::MarkerArray& markers) const {
@@ -178,12 +244,17 @@ class VisualizationNode {
   double extent_ = 0;  ///< m, of the first body seen: sizes strokes and the default workspace
   tf2_ros::Buffer transforms_;
   tf2_ros::TransformListener listener_;
-  std::unique_ptr<TargetHandles> handles_;  ///< null unless interactive
+  std::unique_ptr<TargetHandles> handles_;             ///< null unless interactive
+  std::unique_ptr<ObstacleHandles> obstacle_handles_;  ///< null unless interactive
+  ObstacleDrawing obstacle_drawing_;
   Newest<BodyState> body_, plant_;
+  Newest<ContactArray> contacts_;
+  Newest<TrackedObstacles> obstacles_;
   Newest<ControllerState> controller_;
   std::map<std::string, Trails> trails_;  // by effector name
   ros::Publisher markers_;
   ros::Subscriber body_subscriber_, plant_subscriber_, controller_subscriber_;
+  ros::Subscriber contacts_subscriber_, obstacles_subscriber_, tracked_subscriber_;
   ros::WallTimer timer_;
 };
 

@@ -37,31 +37,8 @@ constexpr int kTubeSides = 8;
 // Markers vanish by themselves when nobody refreshes them.
 const ros::Duration kLifetime(1.0);
 
-std_msgs::ColorRGBA toRgba(const Colour& colour) {
-  std_msgs::ColorRGBA message;
-  message.r = static_cast<float>(colour[0]);
-  message.g = static_cast<float>(colour[1]);
-  message.b = static_cast<float>(colour[2]);
-  message.a = static_cast<float>(colour[3]);
-  return message;
-}
-
 Vec3 toVec3(const geometry_msgs::Point32& point) {
   return Vec3(point.x, point.y, point.z);
-}
-
-Marker makeMarker(const std_msgs::Header& header, const std::string& name, int id, int type) {
-  Marker marker;
-  marker.header.frame_id = header.frame_id;  // stamp zero: newest transform
-  marker.ns = name;
-  marker.id = id;
-  marker.type = type;
-  marker.action = Marker::ADD;
-  marker.pose.orientation.w = 1;
-  marker.scale.x = marker.scale.y = marker.scale.z = 1;
-  marker.color = toRgba(Colour::Ones());
-  marker.lifetime = kLifetime;
-  return marker;
 }
 
 Marker makeSpheres(const std_msgs::Header& header, const std::string& name, double radius, const Colour& colour) {
@@ -203,6 +180,29 @@ bool isWorthShowing(const ActiveLimit& limit) {
 }
 
 }  // namespace
+
+std_msgs::ColorRGBA toRgba(const Colour& colour) {
+  std_msgs::ColorRGBA message;
+  message.r = static_cast<float>(colour[0]);
+  message.g = static_cast<float>(colour[1]);
+  message.b = static_cast<float>(colour[2]);
+  message.a = static_cast<float>(colour[3]);
+  return message;
+}
+
+Marker makeMarker(const std_msgs::Header& header, const std::string& name, int id, int type) {
+  Marker marker;
+  marker.header.frame_id = header.frame_id;  // stamp zero: newest transform
+  marker.ns = name;
+  marker.id = id;
+  marker.type = type;
+  marker.action = Marker::ADD;
+  marker.pose.orientation.w = 1;
+  marker.scale.x = marker.scale.y = marker.scale.z = 1;
+  marker.color = toRgba(Colour::Ones());
+  marker.lifetime = kLifetime;
+  return marker;
+}
 
 Colour Light::calcShade(const Vec3& normal, const Colour& base) const {
   const double brightness = kAmbient + kKey * std::max(0.0, normal.dot(key)) + kFill * std::max(0.0, normal.dot(fill));

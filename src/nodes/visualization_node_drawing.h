@@ -25,6 +25,11 @@ struct Light {
   Light seenFrom(const Mat3& axes) const;
 };
 
+std_msgs::ColorRGBA toRgba(const Colour& colour);
+
+/// A marker of unit size at the origin of the header's frame, which vanishes unless it is refreshed.
+visualization_msgs::Marker makeMarker(const std_msgs::Header& header, const std::string& name, int id, int type);
+
 /// How one body is drawn; the real robot's double is drawn translucent.
 struct BodyStyle {
   std::string name;  ///< prefix of the marker namespaces

@@ -3,10 +3,10 @@
 #include <sinew/EffectorTargets.h>
 #include <tf2_geometry_msgs/tf2_geometry_msgs.h>
 
-#include <array>
 #include <utility>
 
 #include "ros_conversions.h"
+#include "visualization_node_controls.h"
 
 namespace sinew {
 namespace {
@@ -23,20 +23,6 @@ geometry_msgs::Pose makePose(const Vec3& position) {
   pose.position = toPoint(position);
   pose.orientation.w = 1;
   return pose;
-}
-
-/// A control whose x axis is turned onto axis 0, 1 or 2 of the frame.
-InteractiveMarkerControl makeAxisControl(int axis) {
-  static const std::array<const char*, 3> kNames{{"move_x", "move_y", "move_z"}};
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitX(), Vec3::Unit(axis));
-  InteractiveMarkerControl control;
-  control.name = kNames[static_cast<size_t>(axis)];
-  control.orientation.w = turn.w();
-  control.orientation.x = turn.x();
-  control.orientation.y = turn.y();
-  control.orientation.z = turn.z();
-  control.interaction_mode = InteractiveMarkerControl::MOVE_AXIS;
-  return control;
 }
 
 /// A ball that moves in the plane of the screen.

@@ -8,7 +8,7 @@ import unittest
 import rospy
 from geometry_msgs.msg import Pose, PoseStamped
 from line import Diagnostics, LineTest, Recorder, call, distance
-from sinew.msg import ActuatorState, ControllerState, EffectorTargets
+from sinew.msg import ActuatorState, ControllerState, EffectorTargets, TrackedObstacles
 
 FRAME = "trunk_base"
 
@@ -20,11 +20,12 @@ class BadInput(LineTest):
         cls.diagnostics = Diagnostics()
         cls.targets = rospy.Publisher("targets", EffectorTargets, queue_size=10)
         cls.poses = rospy.Publisher("target_pose", PoseStamped, queue_size=10)
+        cls.obstacles = rospy.Publisher("tracked_obstacles", TrackedObstacles, queue_size=10)
         cls.actuators = rospy.Publisher("actuator_state", ActuatorState, queue_size=10)
 
     def test_bad_input(self):
         self.wait_for("the controller", lambda: self.states.newest())
-        publishers = [self.targets, self.poses, self.actuators]
+        publishers = [self.targets, self.poses, self.obstacles, self.actuators]
         self.wait_for("connections", lambda: all(p.get_num_connections() > 0 for p in publishers))
         self.assertEqual(self.states.newest().status, ControllerState.DISABLED)
         answer = call("inverse_model/enable")
@@ -53,6 +54,7 @@ class BadInput(LineTest):
         self.assert_refused("unknown_name", self.make(names=["tip", "nose"], poses=2))
         self.assert_pose_refused()
         self.assert_driver_refused()
+        self.assert_obstacle_refused()
         self.assert_good(0.002, age=None)
 
     def make(self, dx=0.0, names=("tip",), poses=1, frame=FRAME, age=0.0):
@@ -97,6 +99,15 @@ class BadInput(LineTest):
         state = ActuatorState()
         state.name = ["cable_1"]
         self.assert_counted("wrong_size", lambda: self.actuators.publish(state), of="actuator state")
+
+    def assert_obstacle_refused(self):
+        message = TrackedObstacles()
+        message.header.frame_id = FRAME
+        message.name = ["cylinder"]
+        message.pose = [Pose()]
+        self.assert_counted("wrong_size", lambda: self.obstacles.publish(message), of="obstacles")
+        message.present = [True]
+        self.assert_counted("unknown_name", lambda: self.obstacles.publish(message), of="obstacles")
 
     def assert_counted(self, reason, publish, of="targets"):
         before = self.count(reason, of)

@@ -69,6 +69,36 @@ TEST(SimulatedPlant, ATiltKeepsTheWeight) {
   EXPECT_NEAR(std::cos(0.3), drawn.gravity.normalized().dot(built.gravity.normalized()), 1e-12);
 }
 
+// The cylinder's axis lies across the trunk's; the trunk is 16 mm thick beside it.
+TEST(SimulatedPlant, AnObstaclePushesTheBodyAside) {
+  SimulatedPlant plant(readRobotDescription(SINEW_SOURCE_DIR "/config/trunk_cylinder/trunk_cylinder.yaml"),
+                       PlantDeviations());
+  const double contact_distance = plant.robot().description().contacts.contact_distance;
+  std::vector<ObstacleState> states{{plant.robot().obstacles()[0].pose, true}};
+  const VecX slack = VecX::Zero(plant.robot().actuatorCount());
+  const double rest = plant.simulator().effectors().x();
+  for (double x = 0.04; x > 0.03; x -= 0.0005) {
+    states[0].pose.translation().x() = x;
+    plant.setObstacles(states);
+    plant.step(slack, 0.01);
+  }
+  for (int step = 0; step < 20; ++step) plant.step(slack, 0.01);
+  EXPECT_EQ(0u, plant.failedSteps());
+  EXPECT_LT(plant.simulator().effectors().x(), rest - 0.005);
+  EXPECT_GT(plant.simulator().contactForce().maxCoeff(), 0.05);
+  const Vec3 axis = states[0].pose.linear().col(2);
+  for (const Vec3& node : plant.simulator().nodes()) {
+    const Vec3 arm = node - states[0].pose.translation();
+    EXPECT_GT((arm - axis * axis.dot(arm)).norm(), 0.02 + 0.9 * contact_distance);
+  }
+
+  states[0].present = false;
+  plant.setObstacles(states);
+  for (int step = 0; step < 60; ++step) plant.step(slack, 0.01);
+  EXPECT_NEAR(rest, plant.simulator().effectors().x(), 1e-4);
+  EXPECT_EQ(0, plant.simulator().contacts().size());
+}
+
 TEST(SimulatedPlant, RefusesDeviationsThatMakeNoSense) {
   PlantDeviations wrong;
   wrong.stiffness_factor = 0;

@@ -271,7 +271,6 @@ struct InverseController::Impl {
     output.newton_steps = 1;
     output.contacts.force.head(condensed.contacts()) = forward.contactForce();
     output.contacts.gap.head(condensed.contacts()) = condensed.gap();
-    output.contacts.proved_global = false;
     if (status != ForwardStatus::kSolved) {
       condensed.body().abandonStep();
       return hold(input, reasonOf(status), output);
@@ -326,6 +325,7 @@ CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
   output.contacts.pieces = output.contacts.nodes = 0;
+  output.contacts.proved_global = output.contacts.declined_better = false;
   output.goal_scale = 1;
   const StageTimer timer(output.times.cycle);
   if (!impl_->validInput(input)) {
@@ -346,6 +346,7 @@ CycleStatus InverseController::follow(const VecX& displacement, double period, C
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
   output.contacts.pieces = output.contacts.nodes = 0;
+  output.contacts.proved_global = output.contacts.declined_better = false;
   output.goal_scale = 1;
   const StageTimer timer(output.times.cycle);
   CycleInput free = makeInput();
