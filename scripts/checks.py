@@ -109,6 +109,11 @@ CHECKS = (
         [rostest("trunk_circle")],
     ),
     Check(
+        "moving_cylinder",
+        "The whole line keeps the trunk's tip at its target while a cylinder, seen by a late and noisy tracker, pushes it.",
+        [rostest("moving_cylinder")],
+    ),
+    Check(
         "restart_mid_motion",
         "The controller is killed and started again in the middle of the circle: no command steps, and the tip stays.",
         [rostest("restart_mid_motion")],

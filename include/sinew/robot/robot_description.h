@@ -91,7 +91,8 @@ struct RobotDescription {
   ContactDescription contacts;
 };
 
-/// Reads a robot's YAML and its URDF; the keys that it leaves out come from the YAML that it names as its base. Throws ConfigError with the key's full name, the value and what is right.
+/// Reads a robot's YAML and its URDF; the keys that it leaves out come from the YAML that it names as its base. Throws
+/// ConfigError with the key's full name, the value and what is right.
 RobotDescription readRobotDescription(const std::string& path);
 
 }  // namespace sinew
