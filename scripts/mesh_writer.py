@@ -76,6 +76,16 @@ def read_tetrahedra():
     return positions[used], orient(positions[used], tets.reshape(-1, 4)), region
 
 
+def place_around(nodes, tets, count, distance):
+    """Copies around the z axis at `distance`, their y axes towards it; each is a region of its own, counted from 1."""
+    everything = []
+    for copy in range(count):
+        c, s = np.cos(2 * np.pi * copy / count), np.sin(2 * np.pi * copy / count)
+        turned = (nodes - [0, distance, 0]) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        everything.append((turned, tets + copy * len(nodes), np.full(len(tets), copy + 1)))
+    return tuple(np.concatenate(parts) for parts in zip(*everything))
+
+
 def volumes(nodes, tets):
     a, b, c, d = (nodes[tets[:, i]] for i in range(4))
     return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6

@@ -28,6 +28,9 @@ TEST(YamlReader, ReadsEveryKindOfValue) {
   EXPECT_EQ(yaml.vec3List("points"), (std::vector<Vec3>{Vec3(0, 0, 1), Vec3(0, 2, 0)}));
   EXPECT_EQ(yaml.integerList("integers", 0, 3), (std::vector<int>{3, 1}));
   EXPECT_EQ(yaml.textList("texts"), (std::vector<std::string>{"x", "12"}));
+  EXPECT_EQ(readText("a: [[x, y], []]").textLists("a"), (std::vector<std::vector<std::string>>{{"x", "y"}, {}}));
+  EXPECT_TRUE(yaml.isList("texts"));
+  EXPECT_FALSE(yaml.isList("map"));
   EXPECT_EQ(yaml.map("map").number("inner"), 6);
   ASSERT_EQ(yaml.maps("maps").size(), 2U);
   EXPECT_EQ(yaml.maps("maps")[1].number("a"), 2);
@@ -125,6 +128,10 @@ INSTANTIATE_TEST_SUITE_P(
                   "a[1]: found '-1', expected a list of whole numbers from 0 to 9"},
         Complaint{"a: [x, [y]]", [](const YamlReader& y) { y.textList("a"); },
                   "a: found [x, [y]], expected a list of texts"},
+        Complaint{"a: [[x], y]", [](const YamlReader& y) { y.textLists("a"); },
+                  "a: found [[x], y], expected a list of lists of texts"},
+        Complaint{"a: [[x, [y]]]", [](const YamlReader& y) { y.textLists("a"); },
+                  "a: found [[x, [y]]], expected a list of lists of texts"},
         Complaint{"a: 1", [](const YamlReader& y) { y.map("a"); }, "a: found '1', expected a mapping"},
         Complaint{"a: {b: 1}", [](const YamlReader& y) { y.maps("a"); },
                   "a: found {b: 1}, expected a list of mappings"},

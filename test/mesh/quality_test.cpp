@@ -131,7 +131,11 @@ TEST(Quality, CountsPieces) {
   appendTets(mesh, bar, [&](int i) { return i + shift; });
   const MeshReport report = checkMesh(mesh);
   EXPECT_EQ(report.pieces, 2);
-  EXPECT_MESSAGE(report.warnings, "2 pieces that share no node");
+  EXPECT_MESSAGE(report.warnings, "in 2 pieces without common nodes, expected 1; if that is meant, set pieces: 2");
+  ASSERT_EQ(report.piece.size(), mesh.nodes.size());
+  for (int i = 0; i < static_cast<int>(mesh.nodes.size()); ++i) EXPECT_EQ(report.piece[i], i < shift ? 0 : 1);
+  EXPECT_TRUE(checkMesh(mesh, 2).warnings.empty());
+  EXPECT_MESSAGE(checkMesh(bar, 2).warnings, "in 1 piece without common nodes, expected 2");
 }
 
 TEST(Quality, NamesPartsThatHangByANode) {

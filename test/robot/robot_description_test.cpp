@@ -22,7 +22,7 @@ fixed:
   spheres: [{centre: [4, 5, 6], radius: 0.5}]
   nodes: [7, 8]
 effectors:
-  - {name: tip, point: [0, 0, 0.2], axes: [x, z], weight: 2.5}
+  - {name: tip, point: [0, 0, 0.2], axes: [x, z], weight: 2.5, hold: true}
   - {name: middle, point: [0, 0, 0.1]}
 cables:
   - name: left
@@ -34,7 +34,9 @@ cables:
   - name: right
     pull_point: [-0.01, 0, 0]
     via_points: [[-0.01, 0, 0.2]]
-control: {model: dynamic, newton_steps: 3, max_node_step: 0.02, reach_per_cycle: 0.03, smoothing: 0.1}
+carrier: {name: rail, axis: [0, 0, 2], displacement: {min: -0.1, max: 0.2, rate: 0.05}}
+control: {model: dynamic, newton_steps: 3, max_node_step: 0.02, reach_per_cycle: 0.03, smoothing: 0.1,
+          max_pieces: 30, max_nodes: 0, search_time: 0.002, switching_margin: 0.1, switching_reach: 0.004}
 obstacles:
   - {name: floor, plane: {point: [0, 0, 0.3], normal: [0, 0, -2]}}
   - {name: post, link: post, tracked: true}
@@ -115,11 +117,31 @@ TEST_F(RobotDescriptionTest, ReadsCablesEffectorsAndControl) {
   EXPECT_EQ(robot.effectors[0].point, Vec3(0, 0, 0.2));
   EXPECT_EQ(robot.effectors[0].axes, (std::array<bool, 3>{{true, false, true}}));
   EXPECT_EQ(robot.effectors[0].weight, 2.5);
+  EXPECT_TRUE(robot.effectors[0].hold);
+  EXPECT_FALSE(robot.effectors[1].hold);
   EXPECT_EQ(robot.control.model, MotionModel::kDynamic);
   EXPECT_EQ(robot.control.newton_steps, 3);
   EXPECT_EQ(robot.control.max_node_step, 0.02);
   EXPECT_EQ(robot.control.reach_per_cycle, 0.03);
   EXPECT_EQ(robot.control.smoothing, 0.1);
+  EXPECT_EQ(robot.control.max_pieces, 30);
+  EXPECT_EQ(robot.control.max_nodes, 0);
+  EXPECT_EQ(robot.control.search_time, 0.002);
+  EXPECT_EQ(robot.control.switching_margin, 0.1);
+  EXPECT_EQ(robot.control.switching_reach, 0.004);
+}
+
+TEST_F(RobotDescriptionTest, ListsTheCarrierBehindTheCables) {
+  const RobotDescription robot = readRobotDescription(folder.write("arm.yaml", kYaml));
+  EXPECT_EQ(robot.carrier.axis, Vec3(0, 0, 2));
+  const std::vector<ActuatorLimits> actuators = listActuators(robot);
+  ASSERT_EQ(actuators.size(), 3U);
+  EXPECT_EQ(actuators[0].name, "left");
+  EXPECT_EQ(actuators[0].effort.max, 20);
+  EXPECT_EQ(actuators[2].name, "rail");
+  EXPECT_EQ(actuators[2].displacement.max, 0.2);
+  EXPECT_EQ(actuators[2].displacement.rate, 0.05);
+  EXPECT_EQ(actuators[2].effort.max, kUnlimited);
 }
 
 TEST_F(RobotDescriptionTest, LeavesOutWhatMayBeLeftOut) {
@@ -141,6 +163,8 @@ TEST_F(RobotDescriptionTest, LeavesOutWhatMayBeLeftOut) {
   EXPECT_EQ(robot.fixed.nodes.size(), 2U);
   EXPECT_EQ(robot.control.model, MotionModel::kStatic);
   EXPECT_EQ(robot.control.newton_steps, 1);
+  EXPECT_EQ(robot.control.search_time, 0) << "the counts alone";
+  EXPECT_EQ(robot.control.switching_reach, kUnlimited);
   const CableDescription& right = robot.cables[1];
   EXPECT_EQ(right.displacement.min, -kUnlimited);
   EXPECT_EQ(right.displacement.max, kUnlimited);
@@ -238,9 +262,21 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"tube_stiffness: 300", "tube_stiffness: -1", "cables[0].tube_stiffness: found '-1'"},
         Mistake{"model: dynamic", "model: fast", "control.model: found 'fast', expected one of static, dynamic"},
         Mistake{"newton_steps: 3", "newton_steps: 0", "control.newton_steps: found '0'"},
+        Mistake{"search_time: 0.002", "search_time: -1", "control.search_time: found '-1'"},
+        Mistake{"switching_margin: 0.1", "switching_margin: 2", "control.switching_margin: found '2'"},
+        Mistake{"switching_reach: 0.004", "switching_reach: -1", "control.switching_reach: found '-1'"},
         Mistake{"node_step: 0.02", "node_step: 0", "control.max_node_step: found '0'"},
         Mistake{"reach_per_cycle: 0.03", "reach_per_cycle: -1", "control.reach_per_cycle: found '-1'"},
         Mistake{"smoothing: 0.1", "smoothing: -1", "control.smoothing: found '-1'"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    WrongCarrier, RobotMistake,
+    testing::Values(
+        Mistake{"name: rail, ", "", "carrier.name: found nothing"},
+        Mistake{"name: rail", "name: left", "carrier.name: found 'left', expected a name that no cable has"},
+        Mistake{"axis: [0, 0, 2]", "axis: [0, 0, 0]", "carrier.axis: found [0, 0, 0], expected the direction"},
+        Mistake{"min: -0.1, ", "min: 0.1, ", "carrier.displacement.min: found '0.1', expected a number <= 0"},
+        Mistake{"rate: 0.05", "rat: 0.05", "carrier.displacement.rat: found an unknown key"}));
 
 INSTANTIATE_TEST_SUITE_P(
     WrongObstacles, RobotMistake,
@@ -296,6 +332,48 @@ TEST_F(RobotDescriptionTest, ReadsHowContactsAreFound) {
   EXPECT_EQ(contacts.max_contacts, 7);
   EXPECT_EQ(contacts.resolution, 32);
 }
+
+constexpr const char* kRegions = R"(self: [[tip, palm], [tip, tip]], regions: [
+  {name: tip, boxes: [{min: [0, 0, 1], max: [1, 1, 2]}]}, {name: palm, spheres: [{centre: [1, 2, 3], radius: 4}]}])";
+
+TEST_F(RobotDescriptionTest, ReadsWhichRegionsTouch) {
+  const ContactDescription contacts = readWith("self: true", kRegions).contacts;
+  EXPECT_TRUE(contacts.self);
+  ASSERT_EQ(contacts.regions.size(), 2U);
+  EXPECT_EQ(contacts.regions[0].name, "tip");
+  EXPECT_TRUE(contacts.regions[0].contains(Vec3(1, 0, 2)));
+  EXPECT_FALSE(contacts.regions[0].contains(Vec3(1, 0, 2.1)));
+  EXPECT_TRUE(contacts.regions[1].contains(Vec3(1, 2, 7)));
+  EXPECT_FALSE(contacts.regions[1].contains(Vec3(1, 2.1, 7)));
+  EXPECT_EQ(contacts.self_pairs, (std::vector<std::array<int, 2>>{{{0, 1}}, {{0, 0}}}));
+  EXPECT_TRUE(read(kYaml).contacts.self_pairs.empty()) << "true: everything with everything";
+  EXPECT_FALSE(readWith("self: true", "self: []").contacts.self);
+}
+
+struct RegionMistake {
+  std::string from, to, complaint;
+};
+
+class RegionMistakes : public RobotDescriptionTest, public testing::WithParamInterface<RegionMistake> {};
+
+TEST_P(RegionMistakes, AreNamed) {
+  const std::string regions = replaced(kRegions, GetParam().from, GetParam().to);
+  const std::string words = complaintOf([&] { readWith("self: true", regions); });
+  EXPECT_NE(words.find("arm.yaml: contacts." + GetParam().complaint), std::string::npos) << words;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Regions, RegionMistakes,
+    testing::Values(
+        RegionMistake{"[tip, palm]", "[tip, plam]", "self: found [[tip, plam], [tip, tip]], expected true, false, or"},
+        RegionMistake{"[tip, palm]", "[tip]", "self: found [[tip], [tip, tip]], expected true, false, or"},
+        RegionMistake{"[tip, palm]", "tip", "self: found [tip, [tip, tip]], expected a list of lists of texts"},
+        RegionMistake{"[[tip, palm], [tip, tip]]", "maybe", "self: found 'maybe', expected true or false"},
+        RegionMistake{"name: palm", "name: tip", "regions[1].name: found 'tip', expected a name used once"},
+        RegionMistake{"boxes: [{min: [0, 0, 1], max: [1, 1, 2]}]", "boxes: []", "regions[0].boxes: found []"},
+        RegionMistake{"max: [1, 1, 2]", "max: [1, -1, 2]", "regions[0].boxes[0].max: found [1, -1, 2]"},
+        RegionMistake{"radius: 4", "radius: 0", "regions[1].spheres[0].radius: found '0'"},
+        RegionMistake{"spheres:", "balls:", "regions[1]."}));
 
 INSTANTIATE_TEST_SUITE_P(
     Misspelt, RobotMistake,

@@ -22,6 +22,7 @@ class YamlReader {
   static YamlReader fromText(const std::string& text, const std::string& name);
 
   bool has(const std::string& key) const;
+  bool isList(const std::string& key) const;
 
   /// Limits are inclusive; `.inf` is taken where the upper limit is infinite.
   double number(const std::string& key, double min = -kInfinity, double max = kInfinity) const;
@@ -40,6 +41,7 @@ class YamlReader {
   std::vector<Vec3> vec3List(const std::string& key) const;
   std::vector<int> integerList(const std::string& key, int min, int max) const;
   std::vector<std::string> textList(const std::string& key) const;
+  std::vector<std::vector<std::string>> textLists(const std::string& key) const;
 
   /// A nested mapping.
   YamlReader map(const std::string& key) const;

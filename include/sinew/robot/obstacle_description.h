@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "sinew/common/types.h"
+#include "sinew/robot/region_description.h"
 
 namespace sinew {
 
@@ -35,8 +37,11 @@ struct ContactDescription {
   double alarm_distance = 0.005;    ///< m below which two surfaces are watched
   double contact_distance = 0.001;  ///< m that stays between them
   bool self = false;                ///< whether the robot may touch itself
-  int max_contacts = 100;           ///< the closest so many are kept
-  int resolution = 64;              ///< pixels of the volume method along the longest side
+  /// Which regions may touch which, as indices into `regions`; empty: every part of the robot every other.
+  std::vector<std::array<int, 2>> self_pairs;
+  std::vector<RegionDescription> regions;  ///< of the robot's surface
+  int max_contacts = 100;                  ///< the closest so many are kept
+  int resolution = 64;                     ///< pixels of the volume method along the longest side
 };
 
 /// The collision geometry of link `link` of a URDF, in the link's frame. Throws ConfigError when the file cannot be

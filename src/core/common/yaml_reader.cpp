@@ -82,6 +82,10 @@ bool YamlReader::has(const std::string& key) const {
   return node[key].IsDefined() && !node[key].IsNull();
 }
 
+bool YamlReader::isList(const std::string& key) const {
+  return has(key) && node_[key].IsSequence();
+}
+
 double YamlReader::number(const std::string& key, double min, double max) const {
   const YAML::Node node = require(key, describeRange(min, max));
   double value = 0;
@@ -189,6 +193,21 @@ std::vector<std::string> YamlReader::textList(const std::string& key) const {
     values.push_back(item.Scalar());
   }
   return values;
+}
+
+std::vector<std::vector<std::string>> YamlReader::textLists(const std::string& key) const {
+  const YAML::Node node = require(key, "a list of lists of texts");
+  if (!node.IsSequence()) fail(key, "a list of lists of texts");
+  std::vector<std::vector<std::string>> lists;
+  for (const YAML::Node& list : node) {
+    if (!list.IsSequence()) fail(key, "a list of lists of texts");
+    lists.emplace_back();
+    for (const YAML::Node& item : list) {
+      if (!item.IsScalar()) fail(key, "a list of lists of texts");
+      lists.back().push_back(item.Scalar());
+    }
+  }
+  return lists;
 }
 
 YamlReader YamlReader::map(const std::string& key) const {

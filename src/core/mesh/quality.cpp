@@ -180,18 +180,22 @@ void checkDuplicatedNodes(const TetMesh& mesh, MeshReport& report) {
   }
 }
 
-void countPieces(const TetMesh& mesh, MeshReport& report) {
+void findPieces(const TetMesh& mesh, int expected, MeshReport& report) {
   UnionFind sets(mesh.nodes.size());
   for (const std::array<int, 4>& tet : mesh.tets) {
     for (std::size_t i = 1; i < 4; ++i) sets.unite(tet[0], tet[i]);
   }
-  std::vector<int> roots;
-  for (const std::array<int, 4>& tet : mesh.tets) roots.push_back(sets.findRoot(tet[0]));
-  std::sort(roots.begin(), roots.end());
-  report.pieces = static_cast<int>(std::unique(roots.begin(), roots.end()) - roots.begin());
-  if (report.pieces > 1) {
-    report.warnings.push_back(plural(report.pieces, "piece") +
-                              " that share no node: each needs fixed nodes of its own");
+  report.piece.assign(mesh.nodes.size(), -1);
+  std::vector<int> numbers(mesh.nodes.size(), -1);  // by root
+  for (const std::array<int, 4>& tet : mesh.tets) {
+    int& number = numbers[static_cast<std::size_t>(sets.findRoot(tet[0]))];
+    if (number < 0) number = report.pieces++;
+    for (const int node : tet) report.piece[static_cast<std::size_t>(node)] = number;
+  }
+  if (report.pieces != expected) {
+    report.warnings.push_back("in " + plural(report.pieces, "piece") + " without common nodes, expected " +
+                              std::to_string(expected) +
+                              "; if that is meant, set pieces: " + std::to_string(report.pieces));
   }
 }
 
@@ -243,7 +247,7 @@ double calcTetQuality(const TetMesh& mesh, int t) {
   return 12 * std::cbrt(9 * volume * volume) / calcSquaredEdges(mesh, t).second;
 }
 
-MeshReport checkMesh(const TetMesh& mesh) {
+MeshReport checkMesh(const TetMesh& mesh, int expected_pieces) {
   MeshReport report;
   report.tets = static_cast<int>(mesh.tets.size());
   report.nodes = static_cast<int>(mesh.nodes.size());
@@ -256,7 +260,7 @@ MeshReport checkMesh(const TetMesh& mesh) {
 
   calcBounds(mesh, report);
   checkShapes(mesh, report);
-  countPieces(mesh, report);
+  findPieces(mesh, expected_pieces, report);
   checkFaces(mesh, report);
   checkUnusedNodes(mesh, report);
   checkDuplicatedNodes(mesh, report);

@@ -13,6 +13,7 @@ void readMesh(const YamlReader& yaml, RobotDescription& robot) {
   const YamlReader mesh = yaml.map("mesh");
   robot.mesh_file = mesh.path("file");
   robot.mesh_scale = mesh.positiveOr("scale", 1.0);
+  robot.mesh_pieces = mesh.integerOr("pieces", 1, 1, 1000);
   mesh.refuseUnknownKeys();
 }
 
@@ -56,22 +57,27 @@ std::vector<MaterialDescription> readMaterials(const YamlReader& yaml) {
   return materials;
 }
 
-FixedNodesDescription readFixedNodes(const YamlReader& yaml) {
-  FixedNodesDescription fixed;
-  const YamlReader shapes = yaml.map("fixed");
-  for (const YamlReader& item : shapes.maps("boxes")) {
-    fixed.boxes.push_back({item.vec3("min"), item.vec3("max")});
-    if (!(fixed.boxes.back().min.array() <= fixed.boxes.back().max.array()).all()) {
+// Boxes and spheres; the caller refuses unknown keys.
+void readShapes(const YamlReader& yaml, RegionDescription& region) {
+  for (const YamlReader& item : yaml.maps("boxes")) {
+    region.boxes.push_back({item.vec3("min"), item.vec3("max")});
+    if (!(region.boxes.back().min.array() <= region.boxes.back().max.array()).all()) {
       item.fail("max", "no coordinate below that of min");
     }
     item.refuseUnknownKeys();
   }
-  for (const YamlReader& item : shapes.maps("spheres")) {
-    fixed.spheres.push_back({item.vec3("centre"), item.positive("radius")});
+  for (const YamlReader& item : yaml.maps("spheres")) {
+    region.spheres.push_back({item.vec3("centre"), item.positive("radius")});
     item.refuseUnknownKeys();
   }
-  if (shapes.has("nodes")) fixed.nodes = shapes.integerList("nodes", 0, 1 << 30);
-  shapes.refuseUnknownKeys();
+}
+
+FixedNodesDescription readFixedNodes(const YamlReader& yaml) {
+  FixedNodesDescription fixed;
+  const YamlReader map = yaml.map("fixed");
+  readShapes(map, fixed);
+  if (map.has("nodes")) fixed.nodes = map.integerList("nodes", 0, 1 << 30);
+  map.refuseUnknownKeys();
   return fixed;
 }
 
@@ -115,6 +121,23 @@ std::vector<CableDescription> readCables(const YamlReader& yaml) {
   return cables;
 }
 
+CarrierDescription readCarrier(const YamlReader& yaml, const std::vector<CableDescription>& cables) {
+  CarrierDescription carrier;
+  if (!yaml.has("carrier")) return carrier;
+  const YamlReader map = yaml.map("carrier");
+  carrier.name = map.text("name");
+  for (const CableDescription& cable : cables) {
+    if (cable.name == carrier.name) map.fail("name", "a name that no cable has");
+  }
+  carrier.axis = map.vec3("axis");
+  if (!(carrier.axis.norm() > 0)) map.fail("axis", "the direction of positive travel, not zero");
+  carrier.displacement = readLimits(map, "displacement", Limits());
+  if (carrier.displacement.min > 0) map.map("displacement").fail("min", "a number <= 0: the carrier starts at 0");
+  if (carrier.displacement.max < 0) map.map("displacement").fail("max", "a number >= 0: the carrier starts at 0");
+  map.refuseUnknownKeys();
+  return carrier;
+}
+
 std::array<bool, 3> readAxes(const YamlReader& yaml) {
   std::array<bool, 3> axes{{false, false, false}};
   for (const std::string& axis : yaml.textList("axes")) {
@@ -135,6 +158,7 @@ std::vector<EffectorDescription> readEffectors(const YamlReader& yaml) {
     effector.point = item.vec3("point");
     if (item.has("axes")) effector.axes = readAxes(item);
     effector.weight = item.positiveOr("weight", 1.0);
+    effector.hold = item.flagOr("hold", false);
     item.refuseUnknownKeys();
     effectors.push_back(effector);
   }
@@ -161,6 +185,9 @@ ControlDescription readControl(const YamlReader& yaml) {
   control.smoothing = map.numberOr("smoothing", control.smoothing, 0);
   control.max_pieces = map.integerOr("max_pieces", control.max_pieces, 1, 1000000);
   control.max_nodes = map.integerOr("max_nodes", control.max_nodes, 0, 1000000);
+  control.search_time = map.numberOr("search_time", control.search_time, 0);
+  control.switching_margin = map.numberOr("switching_margin", control.switching_margin, 0, 1);
+  control.switching_reach = map.numberOr("switching_reach", control.switching_reach, 0);
   map.refuseUnknownKeys();
   return control;
 }
@@ -206,6 +233,41 @@ std::vector<ObstacleDescription> readObstacles(const YamlReader& yaml, const Rob
   return obstacles;
 }
 
+std::vector<RegionDescription> readRegions(const YamlReader& yaml) {
+  std::vector<RegionDescription> regions;
+  std::set<std::string> names;
+  for (const YamlReader& item : yaml.maps("regions")) {
+    RegionDescription region;
+    region.name = item.text("name");
+    refuseDuplicate(item, region.name, names);
+    readShapes(item, region);
+    if (region.boxes.empty() && region.spheres.empty()) item.fail("boxes", "one box or sphere or more");
+    item.refuseUnknownKeys();
+    regions.push_back(region);
+  }
+  return regions;
+}
+
+// true, false, or pairs of names of regions.
+void readSelf(const YamlReader& yaml, ContactDescription& contacts) {
+  if (!yaml.isList("self")) {
+    contacts.self = yaml.flagOr("self", contacts.self);
+    return;
+  }
+  const std::string expected = "true, false, or a list of pairs [REGION, REGION] of names listed under regions";
+  const auto find = [&](const std::string& name) {
+    for (std::size_t i = 0; i < contacts.regions.size(); ++i) {
+      if (contacts.regions[i].name == name) return static_cast<int>(i);
+    }
+    yaml.fail("self", expected);
+  };
+  for (const std::vector<std::string>& names : yaml.textLists("self")) {
+    if (names.size() != 2) yaml.fail("self", expected);
+    contacts.self_pairs.push_back({find(names[0]), find(names[1])});
+  }
+  contacts.self = !contacts.self_pairs.empty();
+}
+
 ContactDescription readContacts(const YamlReader& yaml) {
   ContactDescription contacts;
   if (!yaml.has("contacts")) return contacts;
@@ -217,7 +279,8 @@ ContactDescription readContacts(const YamlReader& yaml) {
   if (contacts.contact_distance >= contacts.alarm_distance) {
     map.fail("contact_distance", "a distance below alarm_distance");
   }
-  contacts.self = map.flagOr("self", contacts.self);
+  contacts.regions = readRegions(map);
+  readSelf(map, contacts);
   contacts.max_contacts = map.integerOr("max_contacts", contacts.max_contacts, 1, 1000);
   contacts.resolution = map.integerOr("resolution", contacts.resolution, 8, 1024);
   map.refuseUnknownKeys();
@@ -225,6 +288,16 @@ ContactDescription readContacts(const YamlReader& yaml) {
 }
 
 }  // namespace
+
+std::vector<ActuatorLimits> listActuators(const RobotDescription& robot) {
+  std::vector<ActuatorLimits> actuators;
+  for (const CableDescription& cable : robot.cables) {
+    actuators.push_back({cable.name, cable.displacement, cable.tension});
+  }
+  const CarrierDescription& carrier = robot.carrier;
+  if (!carrier.name.empty()) actuators.push_back({carrier.name, carrier.displacement, Limits()});
+  return actuators;
+}
 
 RobotDescription readRobotDescription(const std::string& path) {
   const YamlReader yaml = YamlReader::fromFile(path);
@@ -242,6 +315,7 @@ RobotDescription readRobotDescription(const std::string& path) {
   if (gives("materials")) robot.materials = readMaterials(yaml);
   if (gives("fixed")) robot.fixed = readFixedNodes(yaml);
   if (gives("cables")) robot.cables = readCables(yaml);
+  if (gives("carrier")) robot.carrier = readCarrier(yaml, robot.cables);
   if (gives("effectors")) robot.effectors = readEffectors(yaml);
   if (gives("damping")) readDamping(yaml, robot);
   if (gives("control")) robot.control = readControl(yaml);
