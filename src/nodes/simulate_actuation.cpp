@@ -108,18 +108,22 @@ ActuationSignal readActuationSignal(const CsvTable& table, const RobotModel& rob
   std::vector<Actuation::Mode> mode;
   MatX values = MatX::Zero(robot.actuatorCount(), table.rows());
   bool any = false;
-  for (const CableDescription& cable : robot.description().cables) {
+  for (const ActuatorLimits& actuator : robot.actuators()) {
     const auto row = static_cast<Eigen::Index>(mode.size());
-    const bool displaced = table.has("displacement_" + cable.name), pulled = table.has("effort_" + cable.name);
+    const bool displaced = table.has("displacement_" + actuator.name), pulled = table.has("effort_" + actuator.name);
+    if (pulled && actuator.name == robot.description().carrier.name) {
+      throw ConfigError(table.name(), "column effort_" + actuator.name,
+                        "displacement_" + actuator.name + ": a carrier is driven to a place");
+    }
     if (displaced || pulled) {
-      values.row(row) = table.numbers((displaced ? "displacement_" : "effort_") + cable.name).transpose();
+      values.row(row) = table.numbers((displaced ? "displacement_" : "effort_") + actuator.name).transpose();
     }
     mode.push_back(pulled && !displaced ? Actuation::Mode::kEffort : Actuation::Mode::kDisplacement);
     any = any || displaced || pulled;
   }
   if (!any) {
     throw ConfigError(table.name(), "no column displacement_NAME or effort_NAME",
-                      "at least one for the robot's cables");
+                      "at least one for the robot's actuators");
   }
   return {mode, SampledSignal(table.risingNumbers("t"), values)};
 }

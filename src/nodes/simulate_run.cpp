@@ -34,9 +34,9 @@ std::vector<std::string> makeRunColumns(const RobotModel& robot) {
     addPoint("target_" + effector.name, columns);
     addPoint("effector_" + effector.name, columns);
   }
-  for (const CableDescription& cable : robot.description().cables) {
-    columns.push_back("displacement_" + cable.name);
-    columns.push_back("effort_" + cable.name);
+  for (const ActuatorLimits& actuator : robot.actuators()) {
+    columns.push_back("displacement_" + actuator.name);
+    columns.push_back("effort_" + actuator.name);
   }
   columns.insert(columns.end(), {"status", "residual", "contacts"});
   return columns;

@@ -81,7 +81,7 @@ TargetSignal readTargetSignal(const CsvTable& table, const RobotModel& robot) {
 }
 
 RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const TargetSignal& targets,
-                           const ObstacleSignal& obstacles, double rate, RunWriter& writer) {
+                           const ObstacleSignal& obstacles, double rate, RunWriter& writer, ContactRecorder* recorder) {
   InverseController controller(robot);
   if (!(controller.resynchronise(VecX::Zero(robot->actuatorCount())) < kEquilibrium)) {
     throw ConfigError(robot->description().file, "no equilibrium with every cable at zero",
@@ -102,6 +102,7 @@ RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const Target
     const CycleStatus status = controller.step(input, output);
     writer.write({time, calcShownTargets(input), output.effectors, output.displacement, output.effort, nameOf(status),
                   output.residual, countPressing(output.contacts.force.head(output.contacts.count))});
+    if (recorder) recorder->record(k, time, controller, output);
     summary.mean_error += calcError(*robot, input, output) / cycles;
     summary.not_ok += status != CycleStatus::kSolved;
     progress.update(++summary.rows);

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "simulate_contacts.h"
 #include "simulate_obstacles.h"
 #include "simulate_run.h"
 #include "sinew/common/sampled_signal.h"
@@ -19,9 +20,10 @@ struct TargetSignal {
 /// columns of a run do not matter. Throws ConfigError.
 TargetSignal readTargetSignal(const CsvTable& table, const RobotModel& robot);
 
-/// The inverse controller along the targets, one row a cycle, from the equilibrium with no cable pulled. Throws
-/// ConfigError when there is none.
+/// The inverse controller along the targets, one row a cycle, from the equilibrium with no cable pulled; with a
+/// recorder the contact problems of every cycle too. Throws ConfigError when there is no such equilibrium.
 RunSummary simulateTargets(std::shared_ptr<const RobotModel> robot, const TargetSignal& targets,
-                           const ObstacleSignal& obstacles, double rate, RunWriter& writer);
+                           const ObstacleSignal& obstacles, double rate, RunWriter& writer,
+                           ContactRecorder* recorder = nullptr);
 
 }  // namespace sinew

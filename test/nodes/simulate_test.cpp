@@ -157,6 +157,37 @@ TEST(Simulate, ReadsARunAsAnActuation) {
   EXPECT_NEAR(last(second, "effector_tip_y"), last(first, "effector_tip_y"), 1e-8);
 }
 
+TEST(Simulate, RecordsTheContactProblems) {
+  RobotDescription description = makeBar()->description();
+  ObstacleDescription floor;
+  floor.name = "floor";
+  floor.geometries.emplace_back();
+  floor.geometries[0].kind = ObstacleGeometry::Kind::kPlane;
+  floor.pose = Pose(Eigen::Translation3d(0, 0, -0.004));
+  description.obstacles = {floor};
+  const auto robot = std::make_shared<const RobotModel>(description, makeBarMesh(Vec3(0.08, 0.02, 0.02), 8, 2, 2));
+  const std::string path = testing::TempDir() + "simulate_test_contacts.txt";
+  ContactRecorder recorder(path, *robot);
+  const CsvTable targets = readText("t,target_tip_y\n0,0.01\n0.1,0.012\n");
+  record(*robot, [&](RunWriter& writer) {
+    simulateTargets(robot, readTargetSignal(targets, *robot), ObstacleSignal(*robot), 100, writer, &recorder);
+  });
+  recorder.close();
+  EXPECT_EQ(recorder.records(), 11);
+  std::ifstream file(path);
+  int records = 0, ends = 0, visits = 0;
+  for (std::string line; std::getline(file, line);) {
+    records += line.rfind("record ", 0) == 0 && line.find(" left right") != std::string::npos;
+    visits += line.rfind("visit ", 0) == 0;
+    ends += line == "done";
+  }
+  EXPECT_EQ(records, 11);
+  EXPECT_EQ(ends, 11);
+  EXPECT_GE(visits, 11);
+  std::remove(path.c_str());
+  EXPECT_NE(complaintOf([&] { ContactRecorder("no/such/folder/c.txt", *robot); }).find("no/such"), std::string::npos);
+}
+
 TEST(Simulate, InterpolatesTargetsAndLeavesOtherEffectorsFree) {
   const auto robot = makeBar();
   const TargetSignal targets = readTargetSignal(readText("t,target_tip_y\n1,0.010\n3,0.012\n"), *robot);

@@ -6,14 +6,23 @@
 namespace sinew {
 
 namespace {
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Duplicate contacts leave the objective nearly flat, where proximal passes are slow.
+DenseQpSettings makeSettings() {
+  DenseQpSettings settings;
+  settings.max_passes *= 10;
+  return settings;
 }
+
+}  // namespace
 
 FullQpcc::FullQpcc(const QpccProblem& p)
     : problem_(p),
       qp_(p.size.unknowns + p.size.contacts, p.size.rows + p.size.contacts),
       solution_(qp_.variables, qp_.rows),
-      solver_(qp_.variables, qp_.rows),
+      solver_(qp_.variables, qp_.rows, makeSettings()),
       point_(VecX::Zero(qp_.variables)) {
   const int na = p.size.unknowns;
   const int nc = p.size.contacts;

@@ -35,11 +35,12 @@ QpccProblem makeLever(double target) {
 /// The same between two obstacles: pressing either one moves the effector far to its side, so that x < 0 and x > 0
 /// each have an optimum of their own.
 QpccProblem makeTwoSides(double left, double right) {
-  QpccProblem problem({1, 0, 2, 2});
+  QpccProblem problem({1, 1, 2, 2});
   problem.E_a << 0, 0;
   problem.E_c << 1, 0, 0, 1;
   problem.e << -left, -right;
   problem.Q << 1e-6;
+  problem.A_a << 2;
   problem.C_a << -1, 1;
   problem.C_c << 1, 0, 0, 1;
   problem.c << 0, 0;
@@ -98,13 +99,26 @@ TEST(QpccSolver, declinesWhatIsTooLittleBetter) {
   guess.valid = true;
   guess.x << 1;
   guess.active = {1, 0};
-  guess.margin = 0.2;  // 1.05^2 is not worth it
+  guess.margin = 0.034;  // gain (1.05^2 - 1) / 2, error 1.05, way |(1, 1.05)|: 0.0337
   const QpccSolution solution = solve(problem, guess);
   EXPECT_NEAR(solution.x(0), 1, 1e-4);
   EXPECT_TRUE(solution.declined_better);
   EXPECT_NEAR(solution.declined_objective, 0.5, 1e-4);
   EXPECT_FALSE(solution.proved_global);
-  guess.margin = 0.05;
+  guess.margin = 0.033;
+  EXPECT_NEAR(solve(problem, guess).x(0), -1.05, 1e-4);
+}
+
+TEST(QpccSolver, takesTheMarginOfTheWholeObjective) {
+  const QpccProblem problem = makeTwoSides(1, 1.05);
+  QpccGuess guess(problem.size);
+  guess.valid = true;
+  guess.x << 1;
+  guess.active = {1, 0};
+  guess.margin = 0.033;
+  guess.offset = 1;  // a larger residual to take the share of
+  EXPECT_NEAR(solve(problem, guess).x(0), 1, 1e-4);
+  guess.offset = -0.5;
   EXPECT_NEAR(solve(problem, guess).x(0), -1.05, 1e-4);
 }
 
@@ -114,11 +128,12 @@ TEST(QpccSolver, declinesWhatIsTooFar) {
   guess.valid = true;
   guess.x << 1;
   guess.active = {1, 0};
-  guess.reach << 2;
+  guess.row << 2;  // the other answer is at -3  // the other answer is at -3
+  guess.reach << 4.9;
   const QpccSolution solution = solve(problem, guess);
   EXPECT_NEAR(solution.x(0), 1, 1e-4);
   EXPECT_TRUE(solution.declined_better);
-  guess.reach << 3;
+  guess.reach << 5.1;
   EXPECT_NEAR(solve(problem, guess).x(0), -1.5, 1e-4);
 }
 

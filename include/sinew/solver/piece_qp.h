@@ -27,6 +27,7 @@ struct PieceAnswer {
   bool valid = false;
   PieceMerit merit;
   VecX x;
+  VecX row;                     ///< value of the rows behind the contacts': limited ones, effectors
   std::vector<int> candidates;  ///< contacts whose change of sides lets the answer improve, the most promising first
 };
 

@@ -48,8 +48,10 @@ struct QpccGuess {
   bool valid = false;
   VecX x;
   std::vector<char> active;  ///< 1 where the contact presses
-  VecX reach;                ///< greatest |x - guess| of an answer that the decomposition alone does not find
-  double margin = 0;         ///< share of the local objective by which such an answer must be better
+  VecX row;                  ///< A_a x + A_c z + a at the guess
+  VecX reach;                ///< greatest |row - guess| of an answer that the decomposition alone does not find
+  double margin = 0;         ///< such an answer must stay better when what is asked for changes by this share, 0 to 1
+  double offset = 0;         ///< of the objective, which with it is half a square: 1/2 x0^T Q x0 where q = Q x0
 };
 
 enum class QpccStatus {

@@ -29,6 +29,9 @@ class QpccSolver {
   QpccStatus solve(const QpccProblem& problem, const QpccGuess& guess, const QpccBudget& budget,
                    QpccSolution& solution);
 
+  /// Writes the points that each search from now on visits to `visits`, in SI units, which allocates; null ends that.
+  void watch(std::vector<QpccVisit>* visits);
+
   /// Begins the random sequence anew.
   void forget() { random_ = 0; }
 
@@ -40,16 +43,18 @@ class QpccSolver {
   void descend();
   void keep(const QpccPoint& point);
   bool feasible() const { return best_.answer.valid && best_.answer.merit.feasible(); }
-  bool withinReach(const Eigen::Ref<const VecX>& x) const;
+  bool withinReach(const PieceAnswer& answer) const;
   void startAtGuess(const QpccGuess& guess);
   void startAtRest();
   void restart();
   double drawUnit();
   bool exploreTree();
 
+  double calcHandicap(const QpccGuess& guess) const;
   const QpccPoint& choose(const QpccGuess& guess, QpccSolution& solution) const;
   void conclude(const QpccProblem& problem, const QpccGuess& guess, QpccSolution& solution);
   void polish(const QpccPoint& point);
+  void reportVisits();
   void report(const QpccProblem& problem, QpccSolution& solution) const;
 
   ScaledQpcc scaled_;
@@ -63,9 +68,11 @@ class QpccSolver {
   PieceAnswer polished_;
   MatX map_;  ///< of the piece to report
   std::vector<HeldRow> held_;
-  VecX start_, held_start_, guess_, reach_;
+  VecX start_, held_start_, guess_;
+  VecX guess_row_, reach_;  ///< rows of the problem
   bool has_guess_ = false;
   std::vector<char> wanted_;
+  std::vector<QpccVisit>* visits_ = nullptr;
   std::uint64_t random_ = 0;
   int restarts_ = 0;
 };

@@ -26,6 +26,7 @@ struct ScaledQpcc {
   int limitedRows() const { return size.contacts + size.rows; }
   int tableRows() const { return limitedRows() + size.effectors; }
   int tableColumns() const { return size.contacts + size.unknowns + 1; }
+  int rigidRows() const { return static_cast<int>(rigid_.size()); }  ///< last of the rows
   int at(int k) const { return contact[static_cast<std::size_t>(k)]; }
   double objectiveUnit() const { return (magnitude / effector_scale) * (magnitude / effector_scale); }
 

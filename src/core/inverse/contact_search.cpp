@@ -1,6 +1,7 @@
 #include "sinew/inverse/contact_search.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 
 namespace sinew {
@@ -11,8 +12,11 @@ namespace {
 constexpr double kEnergy = 1e-6;
 constexpr double kRegularisation = 1e-8;
 
+constexpr double kCarrierForce = 1e4;  // N, more than any contact asks of the drive: proofs want bounded unknowns
+
 QpccSizes makeSizes(const RobotModel& robot, int max_effector_rows) {
-  return {robot.actuatorCount(), robot.actuatorCount(), max_effector_rows, std::max(1, robot.maxContacts())};
+  const int n = robot.actuatorCount();
+  return {n, n + max_effector_rows, max_effector_rows, std::max(1, robot.maxContacts())};
 }
 
 }  // namespace
@@ -36,16 +40,21 @@ void ContactSearch::gather(const CondensedRobot& robot, const EffectorGoal& goal
                            const VecX& effort, double damping) {
   const auto W = robot.compliance();
   const int n = robot.actuators(), c = robot.contacts(), first = robot.firstContact();
-  const int e = static_cast<int>(goal.rows.size());
+  const int held = goal.equalities(), e = static_cast<int>(goal.rows.size()) - held;
   QpccProblem& p = problem_;
-  p.resize({n, n, e, c});
+  p.resize({n, n + held, e, c});
   for (int k = 0; k < e; ++k) {
-    p.E_a.row(k).head(n) = W.row(goal.rows[k]).head(n);
-    p.E_c.row(k).head(c) = W.row(goal.rows[k]).segment(first, c);
+    const double weight = goal.weightOf(held + k);
+    p.E_a.row(k).head(n) = weight * W.row(goal.rows[held + k]).head(n);
+    p.E_c.row(k).head(c) = weight * W.row(goal.rows[held + k]).segment(first, c);
+    p.e[k] = weight * goal.error[held + k];
   }
-  p.e.head(e) = goal.error.head(e);
   double best = 0;
-  for (int i = 0; i < n; ++i) best = std::max(best, p.E_a.col(i).head(e).squaredNorm() / W(i, i));
+  for (int i = 0; i < n; ++i) {
+    double gain = 0;
+    for (const int row : goal.rows) gain += W(row, i) * W(row, i);
+    best = std::max(best, gain / W(i, i));
+  }
   p.Q.topLeftCorner(n, n) = best * kEnergy * W.topLeftCorner(n, n);
   p.q.head(n).noalias() = p.Q.topLeftCorner(n, n) * effort;
   for (int i = 0; i < n; ++i) p.Q(i, i) += best * (kRegularisation + damping) * W(i, i);
@@ -58,16 +67,32 @@ void ContactSearch::gather(const CondensedRobot& robot, const EffectorGoal& goal
   p.a.head(n) = robot.displacement() + robot.freeMotion().head(n);
   p.row_lower.head(n) = limits.displacement_min;
   p.row_upper.head(n) = limits.displacement_max;
+  if (robot_.hasCarrier()) {
+    const double way = limits.displacement_max[n - 1] - limits.displacement_min[n - 1];
+    p.x_upper[n - 1] = kCarrierForce + way / W(n - 1, n - 1);
+    p.x_lower[n - 1] = -p.x_upper[n - 1];
+  }
+  for (int k = 0; k < held; ++k) {
+    p.A_a.row(n + k).head(n) = W.row(goal.rows[k]).head(n);
+    p.A_c.row(n + k).head(c) = W.row(goal.rows[k]).segment(first, c);
+    p.a[n + k] = goal.error[k];
+    p.row_lower[n + k] = p.row_upper[n + k] = 0;
+  }
   p.C_a.topLeftCorner(c, n) = W.block(first, 0, c, n);
   p.C_c.topLeftCorner(c, c) = W.block(first, first, c, c);
   p.c.head(c) = robot.gap() + robot.freeMotion().segment(first, c);
 }
 
-void ContactSearch::recall(const ContactList& contacts) {
+void ContactSearch::recall(const CondensedRobot& robot, const ContactList& contacts, const VecX& effort) {
+  const int n = robot.actuators();
+  const ControlDescription& control = robot_.description().control;
   guess_.valid = known_;
   guess_.x.setZero();
-  guess_.margin = 0;
+  guess_.row.head(n) = robot.displacement();
   guess_.reach.setConstant(std::numeric_limits<double>::infinity());
+  guess_.reach.head(n).setConstant(control.switching_reach);
+  guess_.margin = control.switching_margin;
+  guess_.offset = 0.5 * problem_.q.head(n).dot(effort);  // the energy of the present efforts
   for (int i = 0; i < contacts.size(); ++i) {
     guess_.active[i] = std::binary_search(pressing_keys_.begin(), pressing_keys_.end(), contacts.row(i).key);
   }
@@ -81,15 +106,24 @@ void ContactSearch::remember(const ContactList& contacts) {
   known_ = true;
 }
 
-QpccStatus ContactSearch::solve(const CondensedRobot& robot, const ContactList& contacts, const EffectorGoal& goal,
-                                const CycleLimits& limits, const VecX& effort, double damping) {
-  gather(robot, goal, limits, effort, damping);
-  recall(contacts);
+QpccBudget ContactSearch::makeBudget() const {
+  using Clock = std::chrono::steady_clock;
   const ControlDescription& control = robot_.description().control;
   QpccBudget budget;
   budget.max_pieces = control.max_pieces;
   budget.max_nodes = control.max_nodes;
-  const QpccStatus status = solver_.solve(problem_, guess_, budget, solution_);
+  if (control.search_time > 0) {
+    const std::chrono::duration<double> time(control.search_time);
+    budget.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(time);
+  }
+  return budget;
+}
+
+QpccStatus ContactSearch::solve(const CondensedRobot& robot, const ContactList& contacts, const EffectorGoal& goal,
+                                const CycleLimits& limits, const VecX& effort, double damping) {
+  gather(robot, goal, limits, effort, damping);
+  recall(robot, contacts, effort);
+  const QpccStatus status = solver_.solve(problem_, guess_, makeBudget(), solution_);
   if (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) remember(contacts);
   return status;
 }

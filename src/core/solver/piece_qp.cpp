@@ -31,7 +31,8 @@ bool isBetter(const PieceMerit& a, const PieceMerit& b) {
   return a.objective < b.objective - kSameObjective * std::abs(b.objective) - kNoObjective;
 }
 
-PieceAnswer::PieceAnswer(const QpccSizes& capacity) : x(VecX::Zero(capacity.unknowns)) {
+PieceAnswer::PieceAnswer(const QpccSizes& capacity)
+    : x(VecX::Zero(capacity.unknowns)), row(VecX::Zero(capacity.rows + capacity.contacts + capacity.effectors)) {
   candidates.reserve(static_cast<std::size_t>(capacity.contacts));
 }
 
@@ -98,6 +99,9 @@ bool PieceQp::minimise(const Eigen::Ref<const MatX>& map, PieceAnswer& answer) {
   if (!qp_.start(G_.topLeftCorner(n, n), g_.head(n))) return false;
   if (qp_.minimise(makeQpRows(map, m), limits_, kInfinity) != DualQp::Outcome::kOptimal) return false;
   answer.x.head(n) = qp_.x();
+  const auto rows = map.bottomRows(map.rows() - problem_->size.contacts);
+  answer.row.head(rows.rows()) = rows.col(n);
+  answer.row.head(rows.rows()).noalias() += rows.leftCols(n) * qp_.x();
   answer.merit.objective = calcObjective(map, qp_.x());
   collectCandidates(qp_);
   return true;

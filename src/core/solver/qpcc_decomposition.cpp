@@ -16,12 +16,19 @@ bool QpccDecomposition::solve(bool elastic, const ComplementarityTableau& tablea
   return piece.solve(tableau.map(), answer) || (elastic && piece.solveElastic(tableau.map(), answer));
 }
 
+void QpccDecomposition::record(bool first) {
+  if (!visits_) return;
+  const int descent = visits_->empty() ? 0 : visits_->back().descent + (first ? 1 : 0);
+  visits_->push_back({descent, current_.merit.objective, current_.x});
+}
+
 bool QpccDecomposition::descend(bool elastic, ComplementarityTableau& tableau, PieceQp& piece, VisitedSets& visited,
                                 SearchBudget& budget, QpccPoint& best) {
   best.answer.valid = false;
   if (!visited.insert(tableau.hash()) || !solve(elastic, tableau, piece, budget, current_)) return false;
   best.answer = current_;
   best.active = tableau.active();
+  record(true);
   int plateau = 0;
   for (bool moved = true; moved;) {
     moved = false;
@@ -38,6 +45,7 @@ bool QpccDecomposition::descend(bool elastic, ComplementarityTableau& tableau, P
     }
     if (!moved) break;
     std::swap(current_, next_);
+    record(false);
     if (!isBetter(current_.merit, best.answer.merit)) continue;
     best.answer = current_;
     best.active = tableau.active();

@@ -40,7 +40,8 @@ void QpccProblem::resize(const QpccSizes& sizes) {
 QpccGuess::QpccGuess(const QpccSizes& capacity)
     : x(VecX::Zero(capacity.unknowns)),
       active(static_cast<std::size_t>(capacity.contacts), 0),
-      reach(VecX::Constant(capacity.unknowns, kInfinity)) {}
+      row(VecX::Zero(capacity.rows)),
+      reach(VecX::Constant(capacity.rows, kInfinity)) {}
 
 QpccSolution::QpccSolution(const QpccSizes& capacity)
     : x(VecX::Zero(capacity.unknowns)),

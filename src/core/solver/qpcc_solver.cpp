@@ -93,7 +93,8 @@ QpccSolver::QpccSolver(const QpccSizes& capacity)
       start_(capacity.unknowns),
       held_start_(capacity.unknowns),
       guess_(capacity.unknowns),
-      reach_(capacity.unknowns),
+      guess_row_(capacity.rows),
+      reach_(capacity.rows),
       wanted_(static_cast<std::size_t>(capacity.contacts), 0) {
   held_.reserve(static_cast<std::size_t>(capacity.unknowns));
 }
@@ -105,12 +106,27 @@ QpccStatus QpccSolver::solve(const QpccProblem& problem, const QpccGuess& guess,
   scaled_.update(problem);
   tableau_.reset(scaled_);
   piece_.attach(scaled_);
+  if (visits_) visits_->clear();
   search(guess, budget, solution);
+  if (visits_) reportVisits();
   if (best_.answer.valid) conclude(problem, guess, solution);
   solution.pieces = budget_.pieces();
   solution.nodes = budget_.nodes();
   solution.deadline_ended = budget_.deadlinePassed();
   return solution.status;
+}
+
+void QpccSolver::watch(std::vector<QpccVisit>* visits) {
+  visits_ = visits;
+  decomposition_.watch(visits);
+}
+
+void QpccSolver::reportVisits() {
+  const int n = scaled_.size.unknowns;
+  for (QpccVisit& visit : *visits_) {
+    visit.objective *= scaled_.objectiveUnit();
+    visit.x.head(n) = scaled_.magnitude * scaled_.unknown_unit.head(n).cwiseProduct(visit.x.head(n));
+  }
 }
 
 void QpccSolver::search(const QpccGuess& guess, const QpccBudget& budget, QpccSolution& solution) {
@@ -144,7 +160,10 @@ void QpccSolver::startAtGuess(const QpccGuess& guess) {
   for (int k = 0; k < scaled_.size.contacts; ++k)
     wanted_[static_cast<std::size_t>(k)] = guess.active[static_cast<std::size_t>(scaled_.at(k))];
   guess_.head(n) = guess.x.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
-  reach_.head(n) = guess.reach.head(n).cwiseQuotient(scaled_.magnitude * scaled_.unknown_unit.head(n));
+  const int nr = scaled_.size.rows - scaled_.rigidRows();
+  const auto row_unit = scaled_.row_scale.head(nr) / scaled_.magnitude;
+  guess_row_.head(nr) = guess.row.head(nr).cwiseProduct(row_unit);
+  reach_.head(nr) = guess.reach.head(nr).cwiseProduct(row_unit);
   tableau_.moveTo(wanted_);
   start_.head(n) = guess_.head(n).cwiseMax(scaled_.x_lower.head(n)).cwiseMin(scaled_.x_upper.head(n));
   descendFrom(start_.head(n));
@@ -214,13 +233,26 @@ void QpccSolver::keep(const QpccPoint& point) {
     return !other.answer.valid || isBetter(point.answer.merit, other.answer.merit);
   };
   if (improves(best_)) best_ = point;
-  if (has_guess_ && withinReach(point.answer.x) && improves(reachable_)) reachable_ = point;
+  if (has_guess_ && withinReach(point.answer) && improves(reachable_)) reachable_ = point;
 }
 
-bool QpccSolver::withinReach(const Eigen::Ref<const VecX>& x) const {
-  for (int j = 0; j < scaled_.size.unknowns; ++j)
-    if (std::abs(x(j) - guess_(j)) > reach_(j)) return false;
+bool QpccSolver::withinReach(const PieceAnswer& answer) const {
+  for (int r = 0; r < scaled_.size.rows - scaled_.rigidRows(); ++r)
+    if (std::abs(answer.row(r) - guess_row_(r)) > reach_(r)) return false;
   return true;
+}
+
+/// With the offset the objective is 1/2 |r|^2, r the effectors' errors and the root of Q times the unknowns, and the
+/// order of two points turns first when r moves along their difference: the local point stays the worse one under every
+/// change of r by the margin if it is worse by margin |r| |difference|.
+double QpccSolver::calcHandicap(const QpccGuess& guess) const {
+  const int n = scaled_.size.unknowns;
+  const PieceAnswer& a = local_.answer;
+  const PieceAnswer& b = reachable_.answer;
+  double squared = (a.row - b.row).segment(scaled_.size.rows, scaled_.size.effectors).squaredNorm();
+  for (int j = 0; j < n; ++j) squared += (a.x(j) - b.x(j)) * scaled_.Q.col(j).head(n).dot((a.x - b.x).head(n));
+  const double total = 2 * (a.merit.objective + guess.offset / scaled_.objectiveUnit());
+  return guess.margin * std::sqrt(std::max(0.0, total) * std::max(0.0, squared));
 }
 
 /// The best point, or with a guess the best of the local one and those within reach that beat it by the margin.
@@ -229,7 +261,7 @@ const QpccPoint& QpccSolver::choose(const QpccGuess& guess, QpccSolution& soluti
   const QpccPoint* chosen = &local_;
   if (reachable_.answer.valid && isBetter(reachable_.answer.merit, local_.answer.merit)) {
     PieceMerit handicapped = reachable_.answer.merit;
-    handicapped.objective += guess.margin * std::abs(local_.answer.merit.objective);
+    handicapped.objective += calcHandicap(guess);
     if (isBetter(handicapped, local_.answer.merit)) chosen = &reachable_;
   }
   if (isBetter(best_.answer.merit, chosen->answer.merit)) {
