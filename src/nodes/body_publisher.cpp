@@ -39,6 +39,11 @@ BodyPublisher::BodyPublisher(ros::NodeHandle node, std::shared_ptr<const RobotMo
     frame.transform.rotation.w = 1;
     frames_.push_back(frame);
   }
+  if (robot_->hasCarrier()) {
+    joints_publisher_ = node.advertise<sensor_msgs::JointState>("joint_states", 1);
+    joints_.name = {robot_->description().carrier.name};
+    joints_.position.resize(1);
+  }
   sem_init(&handed_, 0, 0);
   thread_ = std::thread(&BodyPublisher::run, this);
 }
@@ -62,6 +67,7 @@ void BodyPublisher::hand(const InverseController& controller, const CycleInput& 
   }
   snapshot.effort = output.effort;
   snapshot.effectors = output.effectors;
+  if (robot_->hasCarrier()) snapshot.travel = output.displacement[robot_->actuatorCount() - 1];
   const ContactList& contacts = controller.contacts();
   snapshot.contact_count = static_cast<std::size_t>(std::min(contacts.size(), output.contacts.count));
   for (std::size_t i = 0; i < snapshot.contact_count; ++i) {
@@ -81,6 +87,7 @@ void BodyPublisher::run() {
     publishFrames(newest_.front());
     publishContacts(newest_.front());
     publishObstacles(newest_.front());
+    publishCarrier(newest_.front());
   }
 }
 
@@ -119,6 +126,13 @@ void BodyPublisher::publishContacts(const Snapshot& snapshot) {
     contacts_.contacts.push_back(makeContactMessage(contact.row, contact.force, contact.gap, part_owners_));
   }
   contacts_publisher_.publish(contacts_);
+}
+
+void BodyPublisher::publishCarrier(const Snapshot& snapshot) {
+  if (!joints_publisher_) return;
+  joints_.header.stamp = snapshot.stamp;
+  joints_.position.front() = snapshot.travel;
+  joints_publisher_.publish(joints_);
 }
 
 void BodyPublisher::publishObstacles(const Snapshot& snapshot) {

@@ -2,6 +2,7 @@
 
 #include <ros/node_handle.h>
 #include <semaphore.h>
+#include <sensor_msgs/JointState.h>
 #include <sinew/ContactArray.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -18,7 +19,8 @@
 namespace sinew {
 
 /// Publishes the deformed shape as `body_state`, what it touches as `contacts`, where the controller believes the
-/// obstacles to be as `obstacles`, and the frames `effector_<name>`, from a thread of its own.
+/// obstacles to be as `obstacles`, the frames `effector_<name>`, and of a robot with a carrier how far that has
+/// travelled as `joint_states`, from a thread of its own.
 class BodyPublisher {
  public:
   BodyPublisher(ros::NodeHandle node, std::shared_ptr<const RobotModel> robot);
@@ -42,6 +44,7 @@ class BodyPublisher {
     std::vector<std::vector<Vec3>> cables;  ///< m
     VecX effort;                            ///< N
     VecX effectors;                         ///< m
+    double travel = 0;                      ///< m, of the carrier
     std::vector<PressedContact> contacts;   ///< room for all; the leading `contact_count` count
     std::size_t contact_count = 0;
     std::vector<ObstacleState> obstacles;
@@ -53,15 +56,17 @@ class BodyPublisher {
   void publishFrames(const Snapshot& snapshot);
   void publishContacts(const Snapshot& snapshot);
   void publishObstacles(const Snapshot& snapshot);
+  void publishCarrier(const Snapshot& snapshot);
 
   std::shared_ptr<const RobotModel> robot_;
   NewestWins<Snapshot> newest_;
   BodyState message_;
   ContactArray contacts_;
   TrackedObstacles obstacles_;
+  sensor_msgs::JointState joints_;
   std::vector<std::string> part_owners_;
   std::vector<geometry_msgs::TransformStamped> frames_;
-  ros::Publisher publisher_, contacts_publisher_, obstacles_publisher_;
+  ros::Publisher publisher_, contacts_publisher_, obstacles_publisher_, joints_publisher_;
   tf2_ros::TransformBroadcaster broadcaster_;
   sem_t handed_;
   std::atomic<bool> stop_{false};

@@ -27,7 +27,7 @@ constexpr char kUsage[] =
     R"(usage: check ROBOT.yaml [--cycles N]
 
 Reads a robot's description and prints what the controller makes of it: mesh and its quality, warnings, degrees of
-freedom, mass, cables, effectors, and the time that a control cycle takes on this machine, stage by stage.
+freedom, mass, cables, carrier, effectors, and the time that a control cycle takes on this machine, stage by stage.
 Exit code 0 when the robot can be controlled, 1 when not, 2 for a wrong command line.
 )";
 
@@ -56,6 +56,14 @@ void printCables(const RobotModel& robot) {
                 cable.description().name.c_str(), cable.restLength(), cable.points(), range.min, range.max, range.rate,
                 cable.description().tension.max);
   }
+}
+
+void printCarrier(const CarrierDescription& carrier) {
+  if (carrier.name.empty()) return;
+  const Vec3 axis = carrier.axis.normalized();
+  std::printf("carrier    %s: along %.3g, %.3g, %.3g, travels %.4g to %.4g m, %.4g m/s\n", carrier.name.c_str(),
+              axis.x(), axis.y(), axis.z(), carrier.displacement.min, carrier.displacement.max,
+              carrier.displacement.rate);
 }
 
 void printEffectors(const RobotModel& robot) {
@@ -89,6 +97,7 @@ bool check(const std::string& file, int cycles) {
   printMesh(*robot);
   printBody(*robot);
   printCables(*robot);
+  printCarrier(robot->description().carrier);
   printEffectors(*robot);
   printWarnings(*robot);
   const CycleTiming timing = timeCycles(robot, cycles);

@@ -186,7 +186,7 @@ void InverseModelNode::follow() {
   const ActuatorReading& reading = actuators_.newest().front();
   if (isDriverFresh(reading, last_begin_)) {
     for (int i = 0; i < followed_.size(); ++i) {
-      const Limits& limits = robot_->description().cables[static_cast<std::size_t>(i)].displacement;
+      const Limits& limits = robot_->actuators()[static_cast<std::size_t>(i)].displacement;
       const double step = limits.rate * input_.period;
       followed_[i] += std::max(-step, std::min(step, reading.measured[i] - followed_[i]));
     }
@@ -431,7 +431,7 @@ std::string InverseModelNode::compareFirstCommand(const VecX& measured) const {
   for (int i = 0; i < measured.size(); ++i) {
     const double difference = std::abs(last_command_[i] - measured[i]);
     if (difference <= kFirstCommandTolerance) continue;
-    return "the first command for " + robot_->description().cables[static_cast<std::size_t>(i)].name + " would be " +
+    return "the first command for " + robot_->actuators()[static_cast<std::size_t>(i)].name + " would be " +
            inMillimetres(difference) + " from its measurement, more than " + inMillimetres(kFirstCommandTolerance);
   }
   return "";

@@ -224,7 +224,7 @@ void calcStageDurations(const StageTimes& times, double cycle, double* durations
 ActuatorCommand makeCommandMessage(const RobotModel& robot) {
   ActuatorCommand message;
   message.header.frame_id = robot.description().frame;
-  for (const CableDescription& cable : robot.description().cables) message.name.push_back(cable.name);
+  for (const ActuatorLimits& actuator : robot.actuators()) message.name.push_back(actuator.name);
   message.mode.assign(message.name.size(), ActuatorCommand::DISPLACEMENT);
   message.value.assign(message.name.size(), 0.0);
   return message;
@@ -238,7 +238,7 @@ ControllerState makeStateMessage(const RobotModel& robot) {
     state.name = effector.name;
     message.effectors.push_back(state);
   }
-  for (const CableDescription& cable : robot.description().cables) message.actuator.push_back(cable.name);
+  for (const ActuatorLimits& actuator : robot.actuators()) message.actuator.push_back(actuator.name);
   message.displacement.assign(message.actuator.size(), 0.0);
   message.effort.assign(message.actuator.size(), 0.0);
   message.limits.reserve(6 * message.actuator.size());
@@ -344,6 +344,7 @@ void updateStateMessage(const RobotModel& robot, const CycleInput& input, const 
   const ContactReport& contacts = output.contacts;
   message.contacts = static_cast<std::uint32_t>(contacts.count);
   message.contacts_global = contacts.count == 0 || contacts.proved_global;
+  message.search_out_of_time = contacts.count > 0 && contacts.out_of_time;
   message.declined_better = contacts.count > 0 && contacts.declined_better;
   message.contact_pieces = static_cast<std::uint32_t>(contacts.pieces);
   message.contact_nodes = static_cast<std::uint32_t>(contacts.nodes);
@@ -363,6 +364,7 @@ void updateStageMessages(const StageStatistics& statistics, std::vector<StageTim
 
 const char* describe(const CycleOutput& output) {
   if (output.status == CycleStatus::kSolved) return "";
+  if (output.status == CycleStatus::kDegraded && !output.holds) return "an effector that is to hold cannot";
   if (output.status == CycleStatus::kDegraded) return "an effort limit gave way: see limits";
   switch (output.reason) {
     case HoldReason::kNotFinite:

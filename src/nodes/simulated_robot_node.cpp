@@ -220,9 +220,9 @@ class SimulatedRobotNode {
       body_message_.vertices[vertex] = toPoint32(simulator.nodes()[static_cast<size_t>(surface.nodes[vertex])]);
     }
     body_message_.cable_points.clear();
-    for (int cable = 0; cable < plant_.robot().actuatorCount(); ++cable) {
+    for (size_t i = 0; i < body_message_.cable.size(); ++i) {
+      const int cable = static_cast<int>(i);
       simulator.calcCablePoints(cable, cable_points_);
-      const auto i = static_cast<size_t>(cable);
       body_message_.cable_size[i] = static_cast<uint32_t>(cable_points_.size());
       body_message_.cable_tension[i] = simulator.effort()[cable];
       for (const Vec3& point : cable_points_) body_message_.cable_points.push_back(toPoint32(point));

@@ -9,16 +9,17 @@
 namespace sinew {
 namespace {
 
-/// One winch per cable of the robot, in its order.
+/// One winch per actuator of the robot, in its order; a carrier's is the pinion of its rail.
 std::vector<Winch> makeWinches(const RobotDescription& robot, const HardwareDescription& hardware,
                                const Parameters& parameters) {
   std::vector<Winch> winches;
-  for (const CableDescription& cable : robot.cables) {
+  for (const ActuatorLimits& driven : listActuators(robot)) {
     const auto& actuators = hardware.actuators;
     const auto found = std::find_if(actuators.begin(), actuators.end(),
-                                    [&](const ActuatorDescription& actuator) { return actuator.name == cable.name; });
+                                    [&](const ActuatorDescription& actuator) { return actuator.name == driven.name; });
     if (found == actuators.end()) {
-      parameters.fail("hardware", "no actuator '" + cable.name + "' in it", "one actuator per cable of the robot");
+      parameters.fail("hardware", "no actuator '" + driven.name + "' in it",
+                      "one actuator per cable of the robot, and one for its carrier");
     }
     winches.push_back({found->name, found->id, found->sign * found->spool_radius});
   }

@@ -29,6 +29,8 @@ class FemBody {
   const FemModel& model() const { return *model_; }
   const std::vector<Vec3>& positions() const { return positions_; }
   const VecX& gravityForce() const { return gravity_force_; }
+  /// Of the frame that the positions are told in [m/s2]: a force on every mass, against it.
+  void setFrameAcceleration(const Vec3& acceleration);
 
   /// Marks the present configuration as the start of a step; `linearise` and `advance` may then repeat within it.
   void beginStep();
@@ -61,6 +63,7 @@ class FemBody {
   std::vector<Vec3> positions_;
   std::vector<Vec3> start_;
   VecX velocity_;
+  Vec3 gravity_;
   VecX gravity_force_;
   VecX load_;
   VecX imbalance_;

@@ -22,6 +22,8 @@ class ConstraintRows {
   int rows() const { return static_cast<int>(start_.size()); }
   double dot(int row, const VecX& x) const;                       ///< (H x)_row
   void addTransposed(int row, double factor, VecX& force) const;  ///< force += factor H_row^T
+  /// d(row) / d(translation of the whole body), fixed nodes included.
+  const Vec3& translation(int row) const { return translation_[row]; }
   /// Writes H_row^T into `column` of length model.size(), each degree of freedom i at place[i].
   template <typename Place>
   void scatter(int row, const Place& place, double* column) const {
@@ -39,6 +41,7 @@ class ConstraintRows {
 
   const FemModel* model_;
   std::vector<int> start_;
+  std::vector<Vec3> translation_;
   std::vector<Entry> entries_;
 };
 

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "sinew/body/carrier.h"
 #include "sinew/body/fem_body.h"
 #include "sinew/constraint/constraint_rows.h"
 #include "sinew/inverse/contact_finder.h"
@@ -17,6 +18,11 @@ namespace sinew {
 ///   H dx = free + W_(row, actuators) d_effort + W_(row, contacts) contact force,   W = H A^-1 H^T.
 /// Rows are the actuators, in order, the effectors' controlled axes, then the contacts. Efforts are solved in changes,
 /// contact forces as totals. A cycle is linearise, factorise, addContacts (none if left out), condense, advance.
+///
+/// A carrier is one more degree of freedom, on a spring of compliance c that is relaxed at the present travel s:
+///   ds = c (effort + sum of force d gap / ds),   W += c r r^T,   r = d row / ds.
+/// Its effort is then the force that contacts ask of the drive. Since the travel is what is planned or given, c drops
+/// out of every answer; it only makes the carrier one actuator among others.
 class CondensedRobot {
  public:
   explicit CondensedRobot(std::shared_ptr<const RobotModel> robot);
@@ -24,12 +30,26 @@ class CondensedRobot {
   const RobotModel& robot() const { return *robot_; }
   FemBody& body() { return body_; }
   const FemBody& body() const { return body_; }
+  /// m, every mesh node in the robot's frame; those of `body()` travel with the carrier.
+  const std::vector<Vec3>& positions() const { return robot_->hasCarrier() ? positions_ : body_.positions(); }
+  Vec3 offset() const { return carrier_.offset(); }                  ///< m, by which the two differ
+  void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
+  void calcDisplacement(VecX& displacement) const;                   ///< per actuator [m], in the present configuration
   int actuators() const { return actuators_; }
   int contacts() const { return static_cast<int>(gap_size_); }
   int firstContact() const { return actuators_ + effector_rows_; }  ///< row
   int rows() const { return rows_.rows(); }
 
   StepRule makeRule(double period) const;
+
+  /// As of `FemBody`, with the carrier.
+  void beginStep();
+  void endStep(const StepRule& rule);
+  void abandonStep();
+  /// For a dynamic step, between `beginStep` and `linearise`: the carrier will be at `travel` [m] when it ends.
+  void accelerateCarrier(double travel, const StepRule& rule);
+  /// At rest in the configuration of `other`, a robot of the same model.
+  void place(const CondensedRobot& other);
 
   /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present
   /// values.
@@ -55,19 +75,29 @@ class CondensedRobot {
   /// motion and change.
   double advance(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force, double max_node_step,
                  StageTimes& times);
+  /// What `effort` [N] has become by an `advance` that returned `scale`: the carrier's spring is relaxed again.
+  void updateEffort(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force, double scale,
+                    VecX& effort) const;
 
   void reset();
 
  private:
   void assembleSystem(Tangent tangent);
   void addActuators(bool with_stiffness);
+  void condenseCarrier();
+  double calcCarrierMotion(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force) const;
+  void updatePositions();
 
   std::shared_ptr<const RobotModel> robot_;
   FemBody body_;
+  Carrier carrier_;
+  std::vector<Vec3> positions_;  // m, robot's frame, of a robot with a carrier
   ConstraintRows rows_;
   int actuators_, effector_rows_;
   MatX half_;  // Y = L^-1 P [H^T b]
   MatX compliance_;
+  VecX carrier_half_;              // Y's row of the carrier, sqrt(c) [r, effort]
+  double carrier_compliance_ = 0;  // c, m/N
   VecX effort_, free_motion_, displacement_, gap_, cable_force_, contact_force_, half_motion_, motion_;
   Eigen::Index gap_size_ = 0;
   const ContactFinder* finder_ = nullptr;  // of the contact rows

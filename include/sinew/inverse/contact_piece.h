@@ -34,11 +34,11 @@ class ContactPiece {
 
  private:
   int actuators_, rows_ = 0, contacts_ = 0, pressing_count_ = 0;
-  MatX reduced_;   // [W value]
-  MatX factor_;    // of W_pp, scaled to a unit diagonal
-  MatX answer_;    // W_pp^-1 [W_pa v_p]
-  MatX coupling_;  // W_rp
-  VecX scale_, shift_;
+  MatX reduced_;               // [W value]
+  MatX factor_;                // of W_pp, scaled to a unit diagonal
+  MatX answer_;                // W_pp^-1 [W_pa v_p]
+  MatX coupling_;              // W_rp
+  VecX scale_, own_, shift_;   // own_: each contact's W_ii [m/N]
   std::vector<int> pressing_;  // contacts
   std::vector<char> presses_;
 };

@@ -11,7 +11,7 @@ namespace sinew {
 
 enum class CycleStatus {
   kSolved,    ///< the command solves this cycle's problem within every limit
-  kDegraded,  ///< solved, but an effort limit had to give way; see the active limits
+  kDegraded,  ///< solved, but an effort limit had to give way, see the active limits, or an effector could not be held
   kHeld       ///< not solved: the command repeats the last valid one
 };
 
@@ -33,6 +33,7 @@ struct ContactReport {
   VecX force, gap;               ///< N, m, at the solution of the linear problem; the leading `count` entries
   bool proved_global = false;    ///< no better choice of pressing contacts exists
   bool declined_better = false;  ///< a better but far choice was left
+  bool out_of_time = false;      ///< the search ended for its time, not for its counts
   int pieces = 0, nodes = 0;     ///< that the search solved
 };
 
@@ -42,6 +43,7 @@ struct CycleInput {
   std::vector<bool> targeted;  ///< per effector: false leaves it free until its first target arrives
   /// Where the obstacles are [m], robot frame, in the order of the robot's description; a missing tail stays as it was.
   std::vector<ObstacleState> obstacles;
+  VecX by_hand;          ///< per actuator [m]: displacement that somebody else gives it, NaN for none; size 0 likewise
   VecX applied;          ///< per actuator [m]: displacement that the driver applied last; size 0 when nobody tells
   double period = 0.01;  ///< s
 };
@@ -55,6 +57,7 @@ struct CycleOutput {
   VecX effectors;                ///< 3 x effectors [m], as modelled after the step
   double effector_error = 0;     ///< m, weighted norm over the targeted, controlled axes
   double goal_scale = 1;         ///< 1 when the goal is chased whole
+  bool holds = true;             ///< whether the effectors that are to hold can, in the linear problem
   double residual = 0;           ///< N, norm of the unbalanced force at the new configuration
   double residual_relative = 0;  ///< residual over the norm of the load
   std::vector<ActiveLimitReport> limits;

@@ -24,8 +24,11 @@ class CyclePlan {
   HoldReason make(const CondensedRobot& robot, const ContactFinder& finder, const CycleInput& input,
                   const CycleLimits& limits, const VecX& effort, CycleOutput& output);
 
-  const VecX& effortChange() const { return result_.effort_change; }                ///< N
-  const VecX& effortViolation() const { return result_.effort_violation; }          ///< N
+  const VecX& effortChange() const { return result_.effort_change; }        ///< N
+  const VecX& effortViolation() const { return result_.effort_violation; }  ///< N
+  /// Whether the effectors that are to hold do, in the linear problem.
+  bool holds() const { return goal_.held == 0 || (goal_.firm && result_.held); }
+  const ContactSearch& search() const { return search_; }
   auto contactForce() const { return contact_force_.head(contacts_); }              ///< N
   auto contactGap() const { return contact_gap_.head(contacts_); }                  ///< m
   auto actuatorMotion() const { return row_motion_.head(robot_.actuatorCount()); }  ///< m, the linear problem's
@@ -36,6 +39,7 @@ class CyclePlan {
   void forget();
 
  private:
+  void gatherRows(const CondensedRobot& robot, const CycleInput& input, bool held);
   double gatherGoal(const CondensedRobot& robot, const CycleInput& input, CycleOutput& output);
   bool searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleLimits& limits,
                    const VecX& effort, CycleOutput& output);

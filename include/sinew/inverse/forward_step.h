@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "sinew/inverse/condensed_robot.h"
 #include "sinew/inverse/contact_finder.h"
 #include "sinew/inverse/forward_problem.h"
@@ -29,16 +32,25 @@ class ForwardStep {
   ForwardStatus settle(const Actuation& actuation, double tolerance, int max_steps, ContactFinder* contacts,
                        CondensedRobot& robot, VecX& effort, StageTimes& times);
 
-  auto contactForce() const { return problem_.contactForce(); }  ///< N, of the last step's contacts
+  auto contactForce() const { return problem_.contactForce(); }   ///< N, of the last step's contacts
+  const VecX& effortMin() const { return problem_.effortMin(); }  ///< N, per actuator; -inf for a carrier
   int qpIterations() const { return problem_.iterations(); }
 
  private:
+  struct PairForce {
+    std::uint64_t key;
+    double force;  // N
+  };
+  void recall(const ContactList& contacts);
+  void remember(const ContactList& contacts);
   ForwardStatus touchAndMove(const Actuation& actuation, ContactFinder* contacts, CondensedRobot& robot, VecX& effort,
                              StageTimes& times);
   bool settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot, const VecX& effort) const;
 
   ForwardProblem problem_;
   VecX displacement_, change_, gap_;
+  VecX guess_;                          // N, contact forces to start from
+  std::vector<PairForce> last_forces_;  // of the contacts that pressed, by ascending key
 };
 
 }  // namespace sinew

@@ -9,6 +9,8 @@
 
 namespace sinew {
 
+class ContactSearch;
+
 /// Finds, every cycle, the cable displacements that bring the effectors nearest to their targets, and among equal ones
 /// those of least potential energy (thesis 3.3). The plan is quasi-static; in a dynamic robot a second body follows the
 /// commands with inertia and damping, and is what the effectors and nodes report. The model integrates its own state.
@@ -41,6 +43,7 @@ class InverseController {
 
   const std::vector<Vec3>& nodes() const;                            ///< m, present positions
   const ContactList& contacts() const;                               ///< of the last cycle, as found at its start
+  const ContactSearch& contactSearch() const;                        ///< of the last cycle that had contacts
   void calcCablePoints(int cable, std::vector<Vec3>& points) const;  ///< m, pull point first
 
  private:

@@ -6,6 +6,8 @@
 
 namespace sinew {
 
+constexpr double kHoldWeight = 256;  ///< of a row that is to hold and cannot, against the other effector rows
+
 /// One cycle's limits, already intersected with what the rates allow; one entry per actuator.
 struct CycleLimits {
   explicit CycleLimits(int actuators);
@@ -22,6 +24,8 @@ struct InverseProblemData {
   MatX W_ea;             ///< effector rows x actuators, m/N; the leading `effector_rows` count
   VecX effector_error;   ///< weighted error with efforts unchanged, m
   int effector_rows = 0;
+  int held_rows = 0;   ///< the leading ones are to hold
+  bool firm = true;    ///< these are equalities; otherwise, and where that is impossible, they weigh `kHoldWeight`
   VecX displacement;   ///< with efforts unchanged, m
   VecX effort;         ///< present total, N
   MatX W_ca;           ///< the leading `contacts` rows count: W_ca d + contact >= -slack, never gives way
@@ -37,14 +41,16 @@ struct InverseProblemResult {
   QpStatus status = QpStatus::kIterationLimit;
   VecX effort_change;     ///< N
   VecX effort_violation;  ///< N by which an effort limit had to give way, 0 when kept
+  bool held = true;       ///< the rows that are to hold were equalities
   int iterations = 0;
 };
 
 /// Solves the inverse problem on two levels: least effector error, then, among its minimisers, least potential energy
 /// 1/2 effort^T W_aa effort of the total effort (the second-order model of the energy stored by the actuators, whose
-/// stationary points it shares). Unknowns are scaled to z = sqrt(W_ii) d_effort, rows likewise, so that every entry of
-/// the problem is of order one. When displacement and effort limits exclude each other, the effort limits give way by
-/// the least violation. No allocation after construction.
+/// stationary points it shares). Rows that are to hold are equalities where that is possible. Unknowns are scaled to z
+/// = sqrt(W_ii) d_effort, rows likewise, so that every entry of the problem is of order one. When displacement and
+/// effort limits exclude each other, the effort limits give way by the least violation. No allocation after
+/// construction.
 class InverseProblem {
  public:
   InverseProblem(int actuators, int max_effector_rows, int max_contacts);
@@ -55,12 +61,13 @@ class InverseProblem {
   void scale(const InverseProblemData& data, const CycleLimits& limits);
   bool negligible(const InverseProblemData& data) const;
   QpStatus solveEffectors(const InverseProblemData& data, InverseProblemResult& result);
+  void fillEffectors(const InverseProblemData& data, QpProblem& qp);
   QpStatus relaxEfforts(InverseProblemResult& result);
   void solveEnergy(const InverseProblemData& data, InverseProblemResult& result);
   /// Limits on displacements and contacts: the leading rows of every programme in `variables` >= actuators unknowns.
   void fillRows(int variables, QpProblem& qp) const;
 
-  int actuators_, contacts_ = 0;
+  int actuators_, contacts_ = 0, equalities_ = 0;
   VecX scale_;           // sqrt(W_ii)
   MatX W_, E_, C_;       // scaled compliance; scaled effector rows over their largest entry; contact rows, longest 1
   VecX contact_min_;     // of the contact rows

@@ -31,7 +31,12 @@ class RobotModel {
   const std::vector<Cable>& cables() const { return cables_; }
   const std::vector<PointEffector>& effectors() const { return effectors_; }
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
-  int actuatorCount() const;
+  /// The cables, then the carrier where there is one.
+  const std::vector<ActuatorLimits>& actuators() const { return actuators_; }
+  int actuatorCount() const { return static_cast<int>(actuators_.size()); }
+  bool hasCarrier() const { return !description_.carrier.name.empty(); }
+  /// m, what a displacement is to be measured against: a cable's length at rest, the body's size for the carrier.
+  double actuatorLength(int actuator) const;
   int effectorCount() const;
   int effectorRows() const;  ///< controlled axes of all effectors together
   /// m a node may move in one linearisation; where there are contacts, none may jump over what is watched.
@@ -51,6 +56,8 @@ class RobotModel {
   Surface surface_;
   std::unique_ptr<FemModel> fem_;
   std::vector<Cable> cables_;
+  std::vector<ActuatorLimits> actuators_;
+  double size_ = 0;  // m, of the body at rest
   std::vector<PointEffector> effectors_;
   std::vector<Obstacle> obstacles_;
   std::vector<std::string> warnings_;

@@ -12,11 +12,17 @@ FemBody::FemBody(const FemModel& model, const Vec3& gravity)
       positions_(model.rest()),
       start_(model.rest()),
       velocity_(VecX::Zero(model.size())),
+      gravity_(gravity),
       gravity_force_(model.size()),
       load_(VecX::Zero(model.size())),
       imbalance_(VecX::Zero(model.size())),
       way_(VecX::Zero(model.size())) {
-  for (int i = 0; i < model.freeCount(); ++i) gravity_force_.segment<3>(3 * i) = model.mass()[i] * gravity;
+  setFrameAcceleration(Vec3::Zero());
+}
+
+void FemBody::setFrameAcceleration(const Vec3& acceleration) {
+  const Vec3 felt = gravity_ - acceleration;
+  for (int i = 0; i < model_->freeCount(); ++i) gravity_force_.segment<3>(3 * i) = model_->mass()[i] * felt;
 }
 
 void FemBody::beginStep() {

@@ -4,19 +4,23 @@ namespace sinew {
 
 ConstraintRows::ConstraintRows(const FemModel& model, int max_rows, int max_entries) : model_(&model) {
   start_.reserve(static_cast<std::size_t>(max_rows));
+  translation_.reserve(static_cast<std::size_t>(max_rows));
   entries_.reserve(static_cast<std::size_t>(max_entries));
 }
 
 void ConstraintRows::clear() {
   start_.clear();
+  translation_.clear();
   entries_.clear();
 }
 
 void ConstraintRows::beginRow() {
   start_.push_back(static_cast<int>(entries_.size()));
+  translation_.push_back(Vec3::Zero());
 }
 
 void ConstraintRows::add(int mesh_node, const Vec3& derivative) {
+  translation_.back() += derivative;
   const int node = model_->freeIndex(mesh_node);
   if (node >= 0) entries_.push_back({node, derivative});
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
@@ -36,11 +37,14 @@ int countEntries(const RobotModel& robot) {
 CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
     : robot_(std::move(robot)),
       body_(robot_->fem(), robot_->description().gravity),
+      carrier_(robot_->description().carrier.axis),
+      positions_(robot_->fem().rest()),
       rows_(robot_->fem(), countRows(*robot_), countEntries(*robot_)),
       actuators_(robot_->actuatorCount()),
       effector_rows_(robot_->effectorRows()),
       half_(robot_->fem().size(), countRows(*robot_) + 1),
       compliance_(countRows(*robot_), countRows(*robot_)),
+      carrier_half_(VecX::Zero(countRows(*robot_) + 1)),
       effort_(VecX::Zero(actuators_)),
       free_motion_(countRows(*robot_)),
       displacement_(VecX::Zero(actuators_)),
@@ -58,19 +62,66 @@ StepRule CondensedRobot::makeRule(double period) const {
           description.damping_stiffness};
 }
 
+void CondensedRobot::calcDisplacement(VecX& displacement) const {
+  const std::vector<Cable>& cables = robot_->cables();
+  for (std::size_t i = 0; i < cables.size(); ++i) displacement[i] = cables[i].calcDisplacement(body_.positions());
+  if (robot_->hasCarrier()) displacement[actuators_ - 1] = carrier_.travel();
+}
+
+void CondensedRobot::calcCablePoints(int cable, std::vector<Vec3>& points) const {
+  robot_->cables()[cable].calcPoints(body_.positions(), points);
+  for (Vec3& point : points) point += offset();
+}
+
+void CondensedRobot::beginStep() {
+  body_.beginStep();
+  carrier_.beginStep();
+}
+
+void CondensedRobot::endStep(const StepRule& rule) {
+  body_.endStep(rule);
+  carrier_.endStep(rule.dynamic ? carrier_.calcSpeed(rule.period) : 0);
+  body_.setFrameAcceleration(Vec3::Zero());
+}
+
+void CondensedRobot::abandonStep() {
+  body_.abandonStep();
+  carrier_.abandonStep();
+  updatePositions();
+}
+
+void CondensedRobot::accelerateCarrier(double travel, const StepRule& rule) {
+  carrier_.accelerate(travel, rule.period);
+  body_.setFrameAcceleration(carrier_.acceleration());
+}
+
+void CondensedRobot::place(const CondensedRobot& other) {
+  body_.place(other.body_.positions());
+  carrier_.place(other.carrier_.travel());
+  updatePositions();
+}
+
+void CondensedRobot::updatePositions() {
+  if (!robot_->hasCarrier()) return;
+  const Vec3 offset = carrier_.offset();
+  const std::vector<Vec3>& carried = body_.positions();
+  for (std::size_t i = 0; i < positions_.size(); ++i) positions_[i] = carried[i] + offset;
+}
+
 void CondensedRobot::addActuators(bool with_stiffness) {
   BlockMatrix* matrix = with_stiffness ? &body_.matrix() : nullptr;
   rows_.clear();
   gap_size_ = 0;
   cable_force_.setZero();
+  calcDisplacement(displacement_);
   const std::vector<Vec3>& positions = body_.positions();
-  for (int i = 0; i < actuators_; ++i) {
+  for (int i = 0; i < static_cast<int>(robot_->cables().size()); ++i) {
     const Cable& cable = robot_->cables()[i];
-    displacement_[i] = cable.calcDisplacement(positions);
     cable.addRow(positions, rows_);
     rows_.addTransposed(i, effort_[i], cable_force_);
     if (with_stiffness) cable.addLoadStiffness(positions, effort_[i], *matrix);
   }
+  if (robot_->hasCarrier()) rows_.beginRow();  // it deforms nothing
   load_norm_ = std::max(negligible_load_, body_.gravityForce().norm() + cable_force_.norm() + contact_force_.norm());
   for (const Cable& cable : robot_->cables()) cable.addTube(positions, &cable_force_, matrix);
   for (const PointEffector& effector : robot_->effectors()) effector.addRows(rows_);
@@ -134,6 +185,26 @@ void CondensedRobot::condense(StageTimes& times) {
   const auto Y = half_.leftCols(rows());
   compliance_.topLeftCorner(rows(), rows()).noalias() = Y.transpose() * Y;
   free_motion_.head(rows()).noalias() = Y.transpose() * half_.col(rows());
+  if (robot_->hasCarrier()) condenseCarrier();
+}
+
+void CondensedRobot::condenseCarrier() {
+  const int own = actuators_ - 1;
+  carrier_compliance_ = compliance_.diagonal().head(own).mean();
+  carrier_half_.head(own).setZero();  // pull points travel along
+  carrier_half_[own] = 1;
+  for (int i = actuators_; i < rows(); ++i) carrier_half_[i] = rows_.translation(i).dot(carrier_.direction());
+  carrier_half_[rows()] = effort_[own];
+  carrier_half_.head(rows() + 1) *= std::sqrt(carrier_compliance_);
+  const auto half = carrier_half_.head(rows());
+  compliance_.topLeftCorner(rows(), rows()).noalias() += half * half.transpose();
+  free_motion_.head(rows()) += carrier_half_[rows()] * half;
+}
+
+double CondensedRobot::calcCarrierMotion(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force) const {
+  if (!robot_->hasCarrier()) return 0;
+  return std::sqrt(carrier_compliance_) * (carrier_half_[rows()] + carrier_half_.head(actuators_).dot(effort_change) +
+                                           carrier_half_.segment(firstContact(), contacts()).dot(contact_force));
 }
 
 double CondensedRobot::advance(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force,
@@ -145,13 +216,31 @@ double CondensedRobot::advance(const VecX& effort_change, const Eigen::Ref<const
   contact_force_.setZero();
   for (int i = 0; i < contacts(); ++i) rows_.addTransposed(firstContact() + i, contact_force[i], contact_force_);
   contact_stiffness_.clear();
-  if (contacts() > 0) contact_stiffness_.update(*finder_, contact_force, body_.positions());
+  if (contacts() > 0) contact_stiffness_.update(*finder_, contact_force, positions());
   body_.cholesky().backwardSolve(half_motion_, motion_);
-  return body_.advance(motion_, max_node_step);
+
+  const double travel = calcCarrierMotion(effort_change, contact_force);
+  const double carried = robot_->maxContacts() > 0 ? std::abs(travel) : 0;  // alone, the carrier deforms nothing
+  const double share = carried > max_node_step / 2 ? max_node_step / 2 / carried : 1.0;
+  motion_ *= share;
+  const double scale = share * body_.advance(motion_, max_node_step - share * carried);
+  carrier_.advance(scale * travel);
+  updatePositions();
+  return scale;
+}
+
+void CondensedRobot::updateEffort(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force, double scale,
+                                  VecX& effort) const {
+  effort += scale * effort_change;
+  if (!robot_->hasCarrier()) return;
+  effort[actuators_ - 1] =
+      -carrier_half_.segment(firstContact(), contacts()).dot(contact_force) / std::sqrt(carrier_compliance_);
 }
 
 void CondensedRobot::reset() {
   body_.reset();
+  carrier_.place(0);
+  updatePositions();
   contact_force_.setZero();
   contact_stiffness_.clear();
 }

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 
+#include "sinew/common/config_error.h"
 #include "sinew/contact/proximity_detection.h"
 #include "sinew/contact/volume_detection.h"
 #include "sinew/fem/fem_model.h"
 
 namespace sinew {
 namespace {
+
+constexpr double kCarriedTowards = 0.05;  // cosine of a carrier's way to a contact, below which it slides past
 
 ProximitySettings makeSettings(const ContactDescription& contacts) {
   ProximitySettings settings;
@@ -20,7 +23,7 @@ ProximitySettings makeSettings(const ContactDescription& contacts) {
 VolumeSettings makeVolumeSettings(const ContactDescription& contacts) {
   VolumeSettings settings;
   settings.contact_distance = contacts.contact_distance;
-  settings.dilation = 2 * contacts.contact_distance;  // as much as is sound: what moves faster in a cycle is seen late
+  settings.dilation = 2.5 * contacts.contact_distance;  // what moves farther in a cycle is seen late
   settings.pixels = contacts.resolution;
   return settings;
 }
@@ -33,23 +36,56 @@ std::vector<ObstacleShape> gatherShapes(const RobotModel& robot) {
   return shapes;
 }
 
+// Triangles of the surface with a corner that lies in the region at rest.
+std::vector<int> findTriangles(const RobotModel& robot, int region) {
+  const RegionDescription& description = robot.description().contacts.regions[region];
+  const auto& triangles = robot.surface().triangles;
+  std::vector<int> found;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (std::any_of(triangles[t].begin(), triangles[t].end(),
+                    [&](int node) { return description.contains(robot.fem().rest()[node]); })) {
+      found.push_back(static_cast<int>(t));
+    }
+  }
+  if (found.empty()) {
+    throw ConfigError(robot.description().file + ": contacts.regions[" + std::to_string(region) + "]",
+                      "'" + description.name + "' without a node of the surface",
+                      "boxes or spheres around a part of the surface, in m and in the frame of the mesh");
+  }
+  return found;
+}
+
+RegionPairs makeRegionPairs(const RobotModel& robot) {
+  const ContactDescription& contacts = robot.description().contacts;
+  const int triangles = static_cast<int>(robot.surface().triangles.size());
+  RegionPairs pairs;
+  for (const auto& pair : contacts.self_pairs) {
+    pairs.add(findTriangles(robot, pair[0]), findTriangles(robot, pair[1]), triangles);
+  }
+  return pairs;
+}
+
 }  // namespace
 
 struct ContactFinder::Impl {
   const RobotModel& robot;
   ContactList found, list;
+  RegionPairs self_pairs;
   std::vector<ObstacleState> states, before;
   std::unique_ptr<ProximityDetection> proximity;  // null where there is nothing to touch
   std::unique_ptr<VolumeDetection> volume;        // of the volume method, for obstacles
+  Vec3 carried;                                   // direction of a carrier
 
   explicit Impl(const RobotModel& model)
       : robot(model),
         found(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())),
-        list(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())) {
+        list(std::max(1, model.maxContacts()), std::max(1, model.maxContactEntries())),
+        carried(model.description().carrier.axis.normalized()) {
     for (const Obstacle& obstacle : model.obstacles()) states.push_back({obstacle.pose, true});
     before = states;
     if (model.maxContacts() == 0) return;
     const ContactDescription& contacts = model.description().contacts;
+    self_pairs = makeRegionPairs(model);
     const CollisionSurface surface(model.surface().triangles);
     proximity = std::make_unique<ProximityDetection>(makeSettings(contacts), surface, model.fem().rest(),
                                                      gatherShapes(model), model.maxContacts());
@@ -78,11 +114,15 @@ struct ContactFinder::Impl {
 
   bool movable(int row) const {
     const ContactEntry* entries = found.entries(row);
+    const ContactRow& contact = found.row(row);
+    if (robot.hasCarrier() && contact.obstacle >= 0 && std::abs(contact.normal.dot(carried)) > kCarriedTowards) {
+      return true;
+    }
     return std::any_of(entries, entries + found.row(row).entries,
                        [this](const ContactEntry& entry) { return robot.fem().freeIndex(entry.node) >= 0; });
   }
 
-  // Nothing gives way to a contact of fixed nodes.
+  // Nothing gives way to a contact of fixed nodes, unless a carrier moves them.
   void keepMovable() {
     list.begin();
     for (int row = 0; row < found.size(); ++row) {
@@ -115,7 +155,7 @@ const ContactList& ContactFinder::find(const std::vector<Vec3>& nodes, StageTime
   if (impl_->proximity) {
     impl_->proximity->update(nodes);
     impl_->addObstacles();
-    if (impl_->robot.description().contacts.self) impl_->proximity->addSelf(RegionPairs(), impl_->found);
+    if (impl_->robot.description().contacts.self) impl_->proximity->addSelf(impl_->self_pairs, impl_->found);
   }
   impl_->found.finish();
   impl_->keepMovable();

@@ -7,6 +7,7 @@ namespace sinew {
 namespace {
 
 constexpr double kContactCompliance = 1e-10;  // of a contact's own, where contacts depend on each other
+constexpr double kRounding = 5e-10;           // m, a pull that moves its gap by less is none
 
 }  // namespace
 
@@ -17,6 +18,7 @@ ContactPiece::ContactPiece(int actuators, int effector_rows, int max_contacts)
       answer_(max_contacts, actuators + 1),
       coupling_(actuators + effector_rows + max_contacts, max_contacts),
       scale_(max_contacts),
+      own_(max_contacts),
       shift_(max_contacts) {
   pressing_.reserve(static_cast<std::size_t>(max_contacts));
   presses_.reserve(static_cast<std::size_t>(max_contacts));
@@ -38,6 +40,7 @@ bool ContactPiece::reduce(const CondensedRobot& robot, const std::vector<char>& 
   reduced_.col(n).head(rows_) = robot.freeMotion();
   reduced_.col(n).head(n) += robot.displacement();
   reduced_.col(n).segment(first, contacts_) += robot.gap();
+  own_.head(contacts_) = W.diagonal().tail(contacts_);
   if (pressing_count_ == 0) return true;
 
   const int p = pressing_count_;
@@ -75,7 +78,8 @@ void ContactPiece::calcContacts(const VecX& effort_change, VecX& force, VecX& ga
   const int first = firstContact();
   for (int i = 0; i < contacts_; ++i) {
     const double side = reduced_.row(first + i).head(actuators_).dot(effort_change) + reduced_(first + i, actuators_);
-    force[i] = presses_[i] ? side : 0.0;
+    const bool rounded = side < 0 && -side * own_[i] < kRounding;
+    force[i] = presses_[i] && !rounded ? side : 0.0;
     gap[i] = presses_[i] ? 0.0 : side;
   }
 }

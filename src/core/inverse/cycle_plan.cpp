@@ -41,37 +41,56 @@ void CyclePlan::forget() {
   pressed_ = false;
 }
 
-// The targeted effectors' rows and their present error. A goal farther than the reach of one cycle is chased part of
-// the way: one factor for all rows keeps the stationary points. What the body would move by itself is added whole.
-double CyclePlan::gatherGoal(const CondensedRobot& robot, const CycleInput& input, CycleOutput& output) {
-  int row = robot.actuators(), used = 0;
-  goal_.rows.clear();
+// The rows of targeted effectors and their present error.
+void CyclePlan::gatherRows(const CondensedRobot& robot, const CycleInput& input, bool held) {
+  int row = robot.actuators();
   for (int e = 0; e < robot_.effectorCount(); ++e) {
     const PointEffector& effector = robot_.effectors()[e];
     const int count = effector.rowCount();
-    if (input.targeted[e]) {
-      effector.calcError(robot.body().positions(), input.targets.segment<3>(3 * e), goal_.error.data() + used);
+    if (input.targeted[e] && effector.description().hold == held) {
+      double* const error = goal_.error.data() + goal_.rows.size();
+      effector.calcError(robot.positions(), input.targets.segment<3>(3 * e), error);
       for (int k = 0; k < count; ++k) goal_.rows.push_back(row + k);
-      used += count;
     }
     row += count;
   }
+}
+
+// All targeted effectors, those that hold first. A goal farther than the reach of one cycle is chased part of
+// the way: one factor for all its rows keeps the stationary points. What the body would move by itself is added whole.
+double CyclePlan::gatherGoal(const CondensedRobot& robot, const CycleInput& input, CycleOutput& output) {
+  goal_.rows.clear();
+  goal_.firm = true;
+  gatherRows(robot, input, true);
+  goal_.held = static_cast<int>(goal_.rows.size());
+  gatherRows(robot, input, false);
+  const int used = static_cast<int>(goal_.rows.size());
   const double reach = robot_.description().control.reach_per_cycle;
   const double distance = goal_.error.head(used).norm();
-  output.goal_scale = distance > reach ? reach / distance : 1.0;
-  for (int k = 0; k < used; ++k) {
-    goal_.error[k] = output.goal_scale * goal_.error[k] + robot.freeMotion()[goal_.rows[k]];
-  }
+  const auto shorten = [reach](auto error) {
+    const double length = error.norm(), share = length > reach ? reach / length : 1.0;
+    error *= share;
+    return share;
+  };
+  output.goal_scale =
+      std::min(shorten(goal_.error.head(goal_.held)), shorten(goal_.error.segment(goal_.held, used - goal_.held)));
+  for (int k = 0; k < used; ++k) goal_.error[k] += robot.freeMotion()[goal_.rows[k]];
   data_.negligible_gain = output.goal_scale < 1 ? kNegligibleGain * reach : 0;
   return distance;
 }
 
 bool CyclePlan::searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleLimits& limits,
                             const VecX& effort, CycleOutput& output) {
-  const QpccStatus status = search_.solve(robot, finder.list(), goal_, limits, effort, calcDamping(output.goal_scale));
+  const double damping = calcDamping(output.goal_scale);
+  QpccStatus status = search_.solve(robot, finder.list(), goal_, limits, effort, damping);
+  if (status != QpccStatus::kSolved && goal_.held > 0) {
+    goal_.firm = false;
+    status = search_.solve(robot, finder.list(), goal_, limits, effort, damping);
+  }
   const QpccSolution& found = search_.solution();
   output.contacts.proved_global = found.proved_global;
   output.contacts.declined_better = found.declined_better;
+  output.contacts.out_of_time = found.deadline_ended;
   output.contacts.pieces += found.pieces;
   output.contacts.nodes += found.nodes;
   return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) && piece_.reduce(robot, found.active);
@@ -95,6 +114,8 @@ void CyclePlan::gatherProblem(const CondensedRobot& robot, const VecX& effort, d
   const int n = robot.actuators();
   data_.damping = calcDamping(goal_scale);
   data_.effector_rows = static_cast<int>(goal_.rows.size());
+  data_.held_rows = goal_.held;
+  data_.firm = goal_.firm;
   for (int k = 0; k < data_.effector_rows; ++k) {
     const int row = goal_.rows[k];
     data_.W_ea.row(k) = piece_.W().row(row);

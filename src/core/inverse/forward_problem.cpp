@@ -1,62 +1,107 @@
 #include "sinew/inverse/forward_problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace sinew {
-namespace {
-
-// Contacts that depend on each other leave their forces undetermined: a compliance of their own, relative to that of
-// the body under them, far below a micrometre for any force that the body bears.
-constexpr double kContactCompliance = 1e-9;
-
-}  // namespace
 
 ForwardProblem::ForwardProblem(const VecX& effort_min, int max_contacts)
     : effort_min_(effort_min),
-      scale_(effort_min.size() + max_contacts),
-      change_(VecX::Zero(effort_min.size() + max_contacts)),
       actuators_(static_cast<int>(effort_min.size())),
-      problem_(actuators_ + max_contacts, 0),
-      solution_(actuators_ + max_contacts, 0),
-      qp_(actuators_ + max_contacts, 0) {}
+      scale_(actuators_ + max_contacts),
+      x_(actuators_ + max_contacts),
+      change_(VecX::Zero(actuators_ + max_contacts)),
+      gap_(max_contacts),
+      problem_(actuators_ + max_contacts),
+      gauss_seidel_(actuators_ + max_contacts),
+      qp_problem_(actuators_ + max_contacts, 0),
+      qp_solution_(actuators_ + max_contacts, 0),
+      qp_(actuators_ + max_contacts, 0) {
+  unknowns_.reserve(static_cast<std::size_t>(actuators_ + max_contacts));
+  rows_.reserve(static_cast<std::size_t>(actuators_ + max_contacts));
+}
 
-bool ForwardProblem::scale(const Eigen::Ref<const MatX>& W, int first_contact) {
-  for (int i = 0; i < actuators_; ++i) scale_[i] = std::sqrt(W(i, i));
-  for (int i = 0; i < contacts_; ++i) {
-    const double own = W(first_contact + i, first_contact + i);
-    scale_[actuators_ + i] = own > 0 ? std::sqrt(own) : 1.0;  // nothing gives way to a contact of fixed nodes only
+// Everything that is no unknown goes to where it is given, and every unknown to the least it can be.
+bool ForwardProblem::gatherRows(const Eigen::Ref<const MatX>& W, int first_contact, const VecX& effort,
+                                const Actuation& actuation) {
+  unknowns_.clear();
+  rows_.clear();
+  for (int i = 0; i < actuators_; ++i) {
+    if (!(W(i, i) > 0)) return false;
+    const bool held = actuation.mode[i] == Actuation::Mode::kDisplacement;
+    const bool bounded = std::isfinite(effort_min_[i]);
+    change_[i] = held ? (bounded ? effort_min_[i] - effort[i] : 0) : actuation.value[i] - effort[i];
+    if (!held) continue;
+    problem_.equality[unknowns_.size()] = !bounded;
+    unknowns_.push_back(i);
+    rows_.push_back(i);
   }
-  return scale_.head(actuators_).minCoeff() > 0;
+  problem_.block = static_cast<int>(rows_.size());
+  for (int i = 0; i < contacts_; ++i) {
+    change_[actuators_ + i] = 0;
+    problem_.equality[unknowns_.size()] = false;
+    unknowns_.push_back(actuators_ + i);
+    rows_.push_back(first_contact + i);
+  }
+  problem_.size = static_cast<int>(rows_.size());
+  return true;
+}
+
+void ForwardProblem::gatherProblem(const Eigen::Ref<const MatX>& W, const Vector& displacement, const Vector& gap,
+                                   const Actuation& actuation, const Vector& guess) {
+  for (int k = 0; k < problem_.size; ++k) {
+    const double own = W(rows_[k], rows_[k]);
+    scale_[k] = own > 0 ? 1 / std::sqrt(own) : 1.0;  // nothing gives way to a contact of fixed nodes only
+  }
+  for (int j = 0; j < problem_.size; ++j) {
+    for (int i = 0; i < problem_.size; ++i) problem_.A(i, j) = scale_[i] * scale_[j] * W(rows_[i], rows_[j]);
+    const bool cable = j < problem_.block;
+    const int own = unknowns_[j], contact = own - actuators_;
+    const double level = cable ? displacement[own] - actuation.value[own] : gap[contact];
+    problem_.b[j] = scale_[j] * (level + W.row(rows_[j]).head(actuators_).dot(change_.head(actuators_)));
+    x_[j] = (cable ? -change_[own] : guess[contact]) / scale_[j];
+  }
+}
+
+QpStatus ForwardProblem::solveAsQp() {
+  const int size = problem_.size;
+  qp_problem_.resize(size, 0);
+  qp_problem_.G.topLeftCorner(size, size) = problem_.A.topLeftCorner(size, size);
+  qp_problem_.G.diagonal().head(size).array() += ComplementarityGaussSeidel::kLift;
+  qp_problem_.g.head(size) = problem_.b.head(size);
+  for (int k = 0; k < size; ++k) {
+    qp_problem_.lower[k] = problem_.equality[k] ? -std::numeric_limits<double>::infinity() : 0.0;
+  }
+  qp_problem_.upper.head(size).setConstant(std::numeric_limits<double>::infinity());
+  const QpStatus status = qp_.solve(qp_problem_, qp_solution_);
+  iterations_ += qp_solution_.iterations;
+  if (status == QpStatus::kSolved) x_.head(size) = qp_solution_.x.head(size);
+  return status;
+}
+
+QpStatus ForwardProblem::solveProblem() {
+  const ComplementarityStatus status = gauss_seidel_.solve(problem_, x_.head(problem_.size));
+  iterations_ = gauss_seidel_.directSolves();
+  if (status == ComplementarityStatus::kNotFinite) return QpStatus::kNotFinite;
+  return status == ComplementarityStatus::kSolved ? QpStatus::kSolved : solveAsQp();
 }
 
 QpStatus ForwardProblem::solve(const Eigen::Ref<const MatX>& W, int first_contact, const Vector& displacement,
-                               const Vector& gap, const VecX& effort, const Actuation& actuation) {
-  const int n = actuators_;
+                               const Vector& gap, const VecX& effort, const Actuation& actuation, const Vector& guess) {
   contacts_ = static_cast<int>(gap.size());
-  if (!scale(W, first_contact)) return QpStatus::kNotFinite;
-  const int size = n + contacts_;
-  const auto row = [n, first_contact](int i) { return i < n ? i : first_contact + i - n; };
-  problem_.resize(size, 0);
-  for (int j = 0; j < size; ++j) {
-    for (int i = 0; i < size; ++i) problem_.G(i, j) = W(row(i), row(j)) / (scale_[i] * scale_[j]);
-  }
-  for (int i = 0; i < n; ++i) {
-    const bool held = actuation.mode[i] == Actuation::Mode::kDisplacement;
-    const double change = held ? effort_min_[i] - effort[i] : actuation.value[i] - effort[i];
-    problem_.lower[i] = change * scale_[i];
-    problem_.upper[i] = held ? std::numeric_limits<double>::infinity() : problem_.lower[i];
-    problem_.g[i] = (held ? displacement[i] - actuation.value[i] : displacement[i]) / scale_[i];
-  }
+  iterations_ = 0;
+  if (!gatherRows(W, first_contact, effort, actuation)) return QpStatus::kNotFinite;
+  gatherProblem(W, displacement, gap, actuation, guess);
+  const QpStatus status = solveProblem();
+  if (status != QpStatus::kSolved) return status;
+  for (int k = 0; k < problem_.size; ++k) change_[unknowns_[k]] += scale_[k] * x_[k];
+  if (!change_.head(actuators_ + contacts_).allFinite()) return QpStatus::kNotFinite;
   for (int i = 0; i < contacts_; ++i) {
-    problem_.G(n + i, n + i) += kContactCompliance;
-    problem_.lower[n + i] = 0;
-    problem_.upper[n + i] = std::numeric_limits<double>::infinity();
-    problem_.g[n + i] = gap[i] / scale_[n + i];
+    const int k = problem_.block + i;
+    gap_[i] = (problem_.b[k] + problem_.A.col(k).head(problem_.size).dot(x_.head(problem_.size))) / scale_[k];
   }
-  const QpStatus status = qp_.solve(problem_, solution_);
-  if (status == QpStatus::kSolved) change_.head(size) = solution_.x.head(size).cwiseQuotient(scale_.head(size));
-  return status;
+  return QpStatus::kSolved;
 }
 
 }  // namespace sinew

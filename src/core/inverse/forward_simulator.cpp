@@ -1,6 +1,5 @@
 #include "sinew/inverse/forward_simulator.h"
 
-#include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
 
 namespace sinew {
@@ -35,8 +34,8 @@ struct ForwardSimulator::Impl {
 
   void measure() {
     const RobotModel& robot = condensed.robot();
-    const std::vector<Vec3>& positions = condensed.body().positions();
-    for (int i = 0; i < robot.actuatorCount(); ++i) displacement[i] = robot.cables()[i].calcDisplacement(positions);
+    const std::vector<Vec3>& positions = condensed.positions();
+    condensed.calcDisplacement(displacement);
     for (int e = 0; e < robot.effectorCount(); ++e) {
       effectors.segment<3>(3 * e) = robot.effectors()[e].calcPosition(positions);
     }
@@ -95,11 +94,11 @@ Eigen::VectorBlock<const VecX> ForwardSimulator::contactForce() const {
 }
 
 const std::vector<Vec3>& ForwardSimulator::nodes() const {
-  return impl_->condensed.body().positions();
+  return impl_->condensed.positions();
 }
 
 void ForwardSimulator::calcCablePoints(int cable, std::vector<Vec3>& points) const {
-  impl_->condensed.robot().cables()[cable].calcPoints(nodes(), points);
+  impl_->condensed.calcCablePoints(cable, points);
 }
 
 const VecX& ForwardSimulator::displacement() const {

@@ -2,14 +2,15 @@
 
 #include <cmath>
 
-#include "sinew/constraint/cable.h"
-
 namespace sinew {
 namespace {
 
 VecX minimalEfforts(const RobotModel& robot) {
   VecX efforts(robot.actuatorCount());
-  for (int i = 0; i < efforts.size(); ++i) efforts[i] = robot.cables()[i].description().tension.min;
+  for (int i = 0; i < efforts.size(); ++i) {
+    const bool carrier = robot.hasCarrier() && i + 1 == efforts.size();
+    efforts[i] = carrier ? -kUnlimited : robot.actuators()[i].effort.min;  // it pushes as well as it pulls
+  }
   return efforts;
 }
 
@@ -19,7 +20,27 @@ ForwardStep::ForwardStep(const RobotModel& robot)
     : problem_(minimalEfforts(robot), robot.maxContacts()),
       displacement_(VecX::Zero(robot.actuatorCount())),
       change_(VecX::Zero(robot.actuatorCount())),
-      gap_(VecX::Zero(robot.maxContacts())) {}
+      gap_(VecX::Zero(robot.maxContacts())),
+      guess_(VecX::Zero(robot.maxContacts())) {
+  last_forces_.reserve(static_cast<std::size_t>(robot.maxContacts()));
+}
+
+// The forces of the last step's contacts that are still there; both lists are sorted by key.
+void ForwardStep::recall(const ContactList& contacts) {
+  auto last = last_forces_.begin();
+  for (int i = 0; i < contacts.size(); ++i) {
+    const std::uint64_t key = contacts.row(i).key;
+    while (last != last_forces_.end() && last->key < key) ++last;
+    guess_[i] = last != last_forces_.end() && last->key == key ? last->force : 0;
+  }
+}
+
+void ForwardStep::remember(const ContactList& contacts) {
+  last_forces_.clear();
+  for (int i = 0; i < contacts.size(); ++i) {
+    if (contactForce()[i] > 0) last_forces_.push_back({contacts.row(i).key, contactForce()[i]});
+  }
+}
 
 ForwardStatus ForwardStep::move(const Actuation& actuation, CondensedRobot& robot, VecX& effort, StageTimes& times) {
   QpStatus status;
@@ -28,32 +49,36 @@ ForwardStatus ForwardStep::move(const Actuation& actuation, CondensedRobot& robo
     displacement_ = robot.displacement() + robot.freeMotion().head(robot.actuators());
     gap_.head(robot.contacts()) = robot.gap() + robot.freeMotion().tail(robot.contacts());
     status = problem_.solve(robot.compliance(), robot.firstContact(), displacement_, gap_.head(robot.contacts()),
-                            effort, actuation);
+                            effort, actuation, guess_.head(robot.contacts()));
   }
   change_ = problem_.effortChange();
   if (status != QpStatus::kSolved || !change_.allFinite()) return ForwardStatus::kNotFinite;
   const double scale = robot.advance(change_, problem_.contactForce(), robot.robot().maxNodeStep(), times);
-  effort += scale * change_;
+  robot.updateEffort(change_, problem_.contactForce(), scale, effort);
   return ForwardStatus::kSolved;
 }
 
 ForwardStatus ForwardStep::touchAndMove(const Actuation& actuation, ContactFinder* contacts, CondensedRobot& robot,
                                         VecX& effort, StageTimes& times) {
   if (contacts != nullptr) {
-    contacts->find(robot.body().positions(), times);
+    contacts->find(robot.positions(), times);
     robot.addContacts(*contacts);
+    recall(contacts->list());
   }
   robot.condense(times);
-  return move(actuation, robot, effort, times);
+  const ForwardStatus status = move(actuation, robot, effort, times);
+  if (contacts != nullptr && status == ForwardStatus::kSolved) remember(contacts->list());
+  return status;
 }
 
 ForwardStatus ForwardStep::step(const Actuation& actuation, const StepRule& rule, ContactFinder* contacts,
                                 CondensedRobot& robot, VecX& effort, StageTimes& times) {
-  robot.body().beginStep();
+  robot.beginStep();
+  if (rule.dynamic && robot.robot().hasCarrier()) robot.accelerateCarrier(actuation.value[robot.actuators() - 1], rule);
   robot.linearise(effort, rule, times);
   const ForwardStatus status = robot.factorise(times) ? touchAndMove(actuation, contacts, robot, effort, times)
                                                       : ForwardStatus::kNotPositiveDefinite;
-  robot.body().endStep(rule);
+  robot.endStep(rule);
   return status;
 }
 
@@ -68,12 +93,11 @@ bool ForwardStep::settled(const Actuation& actuation, double tolerance, const Co
   if (!(robot.residual() <= tolerance * robot.loadNorm())) return false;
   const double slack = tolerance * effort.cwiseAbs().maxCoeff();
   for (int i = 0; i < robot.actuators(); ++i) {
-    const Cable& cable = robot.robot().cables()[i];
     const double excess = robot.displacement()[i] - actuation.value[i];
-    const bool taut = effort[i] > cable.description().tension.min + slack;
+    const bool taut = effort[i] > problem_.effortMin()[i] + slack;
     if (actuation.mode[i] == Actuation::Mode::kEffort) {
       if (effort[i] != actuation.value[i]) return false;
-    } else if (!((taut ? std::abs(excess) : -excess) <= tolerance * cable.restLength())) {
+    } else if (!((taut ? std::abs(excess) : -excess) <= tolerance * robot.robot().actuatorLength(i))) {
       return false;
     }
   }
@@ -83,11 +107,11 @@ bool ForwardStep::settled(const Actuation& actuation, double tolerance, const Co
 ForwardStatus ForwardStep::settle(const Actuation& actuation, double tolerance, int max_steps, ContactFinder* contacts,
                                   CondensedRobot& robot, VecX& effort, StageTimes& times) {
   const StepRule rule;
-  robot.body().beginStep();
+  robot.beginStep();
   for (int k = 0; k < max_steps; ++k) {
     robot.linearise(effort, rule, times);
     if (settled(actuation, tolerance, robot, effort)) {
-      robot.body().endStep(rule);
+      robot.endStep(rule);
       return ForwardStatus::kSolved;
     }
     if (!std::isfinite(robot.residual())) return ForwardStatus::kNotFinite;

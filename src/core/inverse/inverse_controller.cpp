@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
 #include "sinew/inverse/contact_finder.h"
 #include "sinew/inverse/cycle_plan.h"
@@ -55,12 +54,12 @@ struct MovingBody {
     winches.value = displacement;
     const ForwardStatus status =
         forward.step(winches, condensed.makeRule(period), activeOrNull(finder), condensed, effort, times);
-    if (status != ForwardStatus::kSolved) condensed.body().abandonStep();
+    if (status != ForwardStatus::kSolved) condensed.abandonStep();
     return status;
   }
 
-  void place(const std::vector<Vec3>& positions, const VecX& new_effort) {
-    condensed.body().place(positions);
+  void place(const CondensedRobot& other, const VecX& new_effort) {
+    condensed.place(other);
     effort = new_effort;
   }
 };
@@ -98,31 +97,40 @@ struct InverseController::Impl {
     if (model->description().control.model == MotionModel::kDynamic) moving = std::make_unique<MovingBody>(model);
   }
 
-  const std::vector<Vec3>& positions() const { return (moving ? moving->condensed : condensed).body().positions(); }
+  const CondensedRobot& shown() const { return moving ? moving->condensed : condensed; }
+  const std::vector<Vec3>& positions() const { return shown().positions(); }
 
   int actuators() const { return robot->actuatorCount(); }
-  const Limits& displacementLimits(int i) const { return robot->cables()[i].description().displacement; }
-  const Limits& tensionLimits(int i) const { return robot->cables()[i].description().tension; }
+  const Limits& displacementLimits(int i) const { return robot->actuators()[i].displacement; }
+  const Limits& effortLimits(int i) const { return robot->actuators()[i].effort; }
 
   bool validInput(const CycleInput& input) const {
     return input.targets.size() == 3 * robot->effectorCount() &&
            static_cast<int>(input.targeted.size()) == robot->effectorCount() &&
            (input.applied.size() == 0 || input.applied.size() == actuators()) && input.applied.allFinite() &&
+           (input.by_hand.size() == 0 || input.by_hand.size() == actuators()) && !input.by_hand.array().isInf().any() &&
            std::isfinite(input.period) && input.period > 0;
   }
 
-  // A rate is hard: outside the range the command comes back no faster than the rate allows.
-  void updateLimits(double period) {
+  static bool givenByHand(const CycleInput& input, int i) {
+    return input.by_hand.size() > 0 && !std::isnan(input.by_hand[i]);
+  }
+
+  // A rate is hard: outside the range the command comes back no faster than the rate allows. What somebody else gives
+  // an actuator knows neither.
+  void updateLimits(const CycleInput& input) {
+    const double period = input.period;
     for (int i = 0; i < actuators(); ++i) {
       const Limits& range = displacementLimits(i);
       const double step = range.rate * period;
       limits.displacement_min[i] = std::min(std::max(range.min, cycle_start[i] - step), cycle_start[i] + step);
       limits.displacement_max[i] = std::max(std::min(range.max, cycle_start[i] + step), cycle_start[i] - step);
-      const Limits& tension = tensionLimits(i);
-      const double change = tension.rate * period;
-      limits.effort_min[i] = std::max(tension.min, last_valid_effort[i] - change);
-      limits.effort_max[i] = std::min(tension.max, last_valid_effort[i] + change);
+      const Limits& effort_range = effortLimits(i);
+      const double change = effort_range.rate * period;
+      limits.effort_min[i] = std::max(effort_range.min, last_valid_effort[i] - change);
+      limits.effort_max[i] = std::min(effort_range.max, last_valid_effort[i] + change);
       limits.effort_min[i] = std::min(limits.effort_min[i], limits.effort_max[i]);
+      if (givenByHand(input, i)) limits.displacement_min[i] = limits.displacement_max[i] = input.by_hand[i];
     }
   }
 
@@ -137,7 +145,7 @@ struct InverseController::Impl {
     prepared = false;
     if (reason != HoldReason::kNone) return reason;
     if (finder.active()) {
-      finder.find(condensed.body().positions(), output.times);
+      finder.find(condensed.positions(), output.times);
       condensed.addContacts(finder);
     }
     condensed.condense(output.times);
@@ -149,7 +157,7 @@ struct InverseController::Impl {
 
     const double scale =
         condensed.advance(plan.effortChange(), plan.contactForce(), robot->maxNodeStep(), output.times);
-    effort += scale * plan.effortChange();
+    condensed.updateEffort(plan.effortChange(), plan.contactForce(), scale, effort);
     plan.recordStep(scale);
     linear_displacement = condensed.displacement() + scale * plan.actuatorMotion();
     output.contacts.force.head(condensed.contacts()) = plan.contactForce();
@@ -184,21 +192,22 @@ struct InverseController::Impl {
       const Limits& range = displacementLimits(i);
       const double low = limits.displacement_min[i], high = limits.displacement_max[i];
       const double near = kOnLimit * std::max(high - low, 1e-6);
-      if (command[i] - low <= near) {
+      const bool given = low == high && low != range.min && low != range.max;
+      if (!given && command[i] - low <= near) {
         report(i, low == range.min ? LimitKind::kDisplacementMin : LimitKind::kRateMin,
                low == range.min ? range.min : range.rate, 0);
       }
-      if (high - command[i] <= near) {
+      if (!given && high - command[i] <= near) {
         report(i, high == range.max ? LimitKind::kDisplacementMax : LimitKind::kRateMax,
                high == range.max ? range.max : range.rate, 0);
       }
-      const Limits& tension = tensionLimits(i);
-      const double span = std::isfinite(tension.max) ? tension.max - std::max(tension.min, 0.0) : 1.0;
-      if (effort[i] - tension.min <= kOnLimit * span) {
-        report(i, LimitKind::kEffortMin, tension.min, std::max(0.0, tension.min - effort[i]));
+      const Limits& effort_range = effortLimits(i);
+      const double span = std::isfinite(effort_range.max) ? effort_range.max - std::max(effort_range.min, 0.0) : 1.0;
+      if (effort[i] - effort_range.min <= kOnLimit * span) {
+        report(i, LimitKind::kEffortMin, effort_range.min, std::max(0.0, effort_range.min - effort[i]));
       }
-      if (tension.max - effort[i] <= kOnLimit * span) {
-        report(i, LimitKind::kEffortMax, tension.max, std::max(0.0, effort[i] - tension.max));
+      if (effort_range.max - effort[i] <= kOnLimit * span) {
+        report(i, LimitKind::kEffortMax, effort_range.max, std::max(0.0, effort[i] - effort_range.max));
       }
     }
   }
@@ -239,17 +248,18 @@ struct InverseController::Impl {
     if (input.applied.size() == actuators()) command = input.applied;
     cycle_start = command;
     last_valid_effort = effort;
-    updateLimits(input.period);
-    condensed.body().beginStep();
+    updateLimits(input);
+    condensed.beginStep();
     bool gave_way = false;
     for (int k = 0; k < robot->description().control.newton_steps; ++k) {
       const HoldReason reason = newtonStep(input, output);
       if (reason != HoldReason::kNone) {
-        condensed.body().abandonStep();
+        condensed.abandonStep();
         return hold(input, reason, output);
       }
       ++output.newton_steps;
-      gave_way = plan.effortViolation().maxCoeff() > kOnLimit;
+      output.holds = plan.holds();
+      gave_way = plan.effortViolation().maxCoeff() > kOnLimit || !output.holds;
     }
     // Rounding must not carry a command past a hard limit.
     command = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
@@ -262,9 +272,12 @@ struct InverseController::Impl {
     }
     prepared = false;
     held.value = displacement;
+    for (int i = 0; i < actuators(); ++i) {
+      if (givenByHand(input, i)) held.value[i] = input.by_hand[i];
+    }
     last_valid_effort = effort;
-    cycle_start = displacement;
-    updateLimits(input.period);
+    cycle_start = held.value;
+    updateLimits(input);
     const ForwardStatus status = forward.step(held, StepRule(), activeOrNull(finder), condensed, effort, output.times);
     plan.forget();
     output.qp_iterations = forward.qpIterations();
@@ -272,18 +285,21 @@ struct InverseController::Impl {
     output.contacts.force.head(condensed.contacts()) = forward.contactForce();
     output.contacts.gap.head(condensed.contacts()) = condensed.gap();
     if (status != ForwardStatus::kSolved) {
-      condensed.body().abandonStep();
+      condensed.abandonStep();
       return hold(input, reasonOf(status), output);
     }
-    command = displacement;
+    command = held.value;
     return finish(input, CycleStatus::kSolved, output);
   }
 
   double distanceTo(const VecX& measured) const {
     double worst = 0;
+    VecX modelled(actuators());
+    condensed.calcDisplacement(modelled);
     for (int i = 0; i < actuators(); ++i) {
-      const double excess = robot->cables()[i].calcDisplacement(condensed.body().positions()) - measured[i];
-      const bool taut = effort[i] > tensionLimits(i).min + kSyncTolerance * effort.cwiseAbs().maxCoeff();
+      const double excess = modelled[i] - measured[i];
+      const bool taut = !std::isfinite(forward.effortMin()[i]) ||
+                        effort[i] > effortLimits(i).min + kSyncTolerance * effort.cwiseAbs().maxCoeff();
       worst = std::max(worst, taut ? std::abs(excess) : -excess);
     }
     return worst;
@@ -325,8 +341,9 @@ CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
   output.contacts.pieces = output.contacts.nodes = 0;
-  output.contacts.proved_global = output.contacts.declined_better = false;
+  output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
   output.goal_scale = 1;
+  output.holds = true;
   const StageTimer timer(output.times.cycle);
   if (!impl_->validInput(input)) {
     output.status = CycleStatus::kHeld;
@@ -346,8 +363,9 @@ CycleStatus InverseController::follow(const VecX& displacement, double period, C
   output.times = StageTimes();
   output.qp_iterations = output.newton_steps = 0;
   output.contacts.pieces = output.contacts.nodes = 0;
-  output.contacts.proved_global = output.contacts.declined_better = false;
+  output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
   output.goal_scale = 1;
+  output.holds = true;
   const StageTimer timer(output.times.cycle);
   CycleInput free = makeInput();
   free.period = period;
@@ -360,9 +378,7 @@ double InverseController::resynchronise(const VecX& measured) {
   if (measured.size() != impl.actuators() || !measured.allFinite()) return failed;
   impl.prepared = false;
   VecX start(impl.actuators());
-  for (int i = 0; i < impl.actuators(); ++i) {
-    start[i] = impl.robot->cables()[i].calcDisplacement(impl.condensed.body().positions());
-  }
+  impl.condensed.calcDisplacement(start);
   const int steps = 1 + static_cast<int>((measured - start).cwiseAbs().maxCoeff() / kSyncStep);
   StageTimes times;
   for (int k = 1; k <= steps; ++k) {
@@ -374,7 +390,7 @@ double InverseController::resynchronise(const VecX& measured) {
     }
   }
   impl.command = measured;
-  if (impl.moving) impl.moving->place(impl.condensed.body().positions(), impl.effort);
+  if (impl.moving) impl.moving->place(impl.condensed, impl.effort);
   impl.plan.forget();
   return impl.distanceTo(measured);
 }
@@ -383,7 +399,7 @@ void InverseController::reset() {
   impl_->prepared = false;
   impl_->condensed.reset();
   impl_->effort.setZero();
-  if (impl_->moving) impl_->moving->place(impl_->condensed.body().positions(), impl_->effort);
+  if (impl_->moving) impl_->moving->place(impl_->condensed, impl_->effort);
   impl_->command.setZero();
   impl_->last_valid_effort.setZero();
   impl_->plan.forget();
@@ -393,12 +409,16 @@ const ContactList& InverseController::contacts() const {
   return impl_->finder.list();
 }
 
+const ContactSearch& InverseController::contactSearch() const {
+  return impl_->plan.search();
+}
+
 const std::vector<Vec3>& InverseController::nodes() const {
   return impl_->positions();
 }
 
 void InverseController::calcCablePoints(int cable, std::vector<Vec3>& points) const {
-  robot().cables()[cable].calcPoints(nodes(), points);
+  impl_->shown().calcCablePoints(cable, points);
 }
 
 }  // namespace sinew

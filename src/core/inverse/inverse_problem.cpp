@@ -48,13 +48,13 @@ InverseProblem::InverseProblem(int actuators, int max_effector_rows, int max_con
       z_(actuators),
       relaxation_(actuators),
       row_space_(max_effector_rows, actuators),
-      effector_problem_(actuators, actuators + max_contacts),
+      effector_problem_(actuators, actuators + max_contacts + max_effector_rows),
       elastic_problem_(2 * actuators, 3 * actuators + max_contacts),
       energy_problem_(actuators, 2 * actuators + max_contacts),
-      effector_solution_(actuators, actuators + max_contacts),
+      effector_solution_(actuators, actuators + max_contacts + max_effector_rows),
       elastic_solution_(2 * actuators, 3 * actuators + max_contacts),
       energy_solution_(actuators, 2 * actuators + max_contacts),
-      effector_qp_(actuators, actuators + max_contacts),
+      effector_qp_(actuators, actuators + max_contacts + max_effector_rows),
       elastic_qp_(2 * actuators, 3 * actuators + max_contacts),
       energy_qp_(actuators, 2 * actuators + max_contacts) {}
 
@@ -105,15 +105,28 @@ void InverseProblem::fillRows(int variables, QpProblem& qp) const {
   qp.row_upper.segment(n, contacts_).setConstant(std::numeric_limits<double>::infinity());
 }
 
+// The rows that hold are equalities, or, unless firm, the heaviest part of the objective.
+void InverseProblem::fillEffectors(const InverseProblemData& data, QpProblem& qp) {
+  const int n = actuators_, held = data.held_rows, rows = n + contacts_;
+  const double weight = equalities_ > 0 ? 0 : kHoldWeight * kHoldWeight;
+  const auto wishes = E_.middleRows(held, data.effector_rows - held), bound = E_.topRows(held);
+  qp.G.topLeftCorner(n, n).noalias() = wishes.transpose() * wishes;
+  qp.g.head(n).noalias() = wishes.transpose() * error_.segment(held, wishes.rows());
+  qp.G.topLeftCorner(n, n).noalias() += weight * bound.transpose() * bound;
+  qp.g.head(n).noalias() += weight * bound.transpose() * error_.head(held);
+  qp.C.block(rows, 0, equalities_, n) = E_.topRows(equalities_);
+  qp.row_lower.segment(rows, equalities_) = -error_.head(equalities_);
+  qp.row_upper.segment(rows, equalities_) = -error_.head(equalities_);
+}
+
 QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseProblemResult& result) {
   const int n = actuators_;
   QpProblem& qp = effector_problem_;
-  qp.resize(n, n + contacts_);
+  qp.resize(n, n + contacts_ + equalities_);
+  fillEffectors(data, qp);
   const auto E = E_.topRows(data.effector_rows);
-  qp.G.topLeftCorner(n, n).noalias() = E.transpose() * E;
-  const double largest = std::max(qp.G.topLeftCorner(n, n).diagonal().maxCoeff(), 1e-300);
+  const double largest = std::max(data.effector_rows > 0 ? E.colwise().squaredNorm().maxCoeff() : 0.0, 1e-300);
   qp.G.topLeftCorner(n, n).diagonal().array() += largest * (kRegularisation + data.damping);
-  qp.g.head(n).noalias() = E.transpose() * error_.head(data.effector_rows);
   qp.lower.head(n) = z_min_ - relaxation_;
   qp.upper.head(n) = z_max_ + relaxation_;
   fillRows(n, qp);
@@ -132,7 +145,8 @@ bool InverseProblem::negligible(const InverseProblemData& data) const {
   if (!(unit_ * (error.norm() - (error + E * z_).norm()) < data.negligible_gain)) return false;
   const auto within = [](const VecX& min, const VecX& max) { return min.maxCoeff() <= 0 && max.minCoeff() >= 0; };
   return within(z_min_ - relaxation_, z_max_ + relaxation_) && within(row_min_, row_max_) &&
-         (contacts_ == 0 || contact_min_.head(contacts_).maxCoeff() <= 0);
+         (contacts_ == 0 || contact_min_.head(contacts_).maxCoeff() <= 0) &&
+         unit_ * error_.head(equalities_).norm() < data.negligible_gain;
 }
 
 // Unknowns (z, t): least 1/2 |t|^2 with z_min - t <= z <= z_max + t and the displacement rows kept.
@@ -198,7 +212,13 @@ QpStatus InverseProblem::solve(const InverseProblemData& data, const CycleLimits
   result.effort_violation.setZero();
   if (!(data.unit_compliance.minCoeff() > 0)) return result.status = QpStatus::kNotFinite;
   scale(data, limits);
+  equalities_ = data.firm ? data.held_rows : 0;
   result.status = solveEffectors(data, result);
+  if (result.status != QpStatus::kSolved && equalities_ > 0) {
+    equalities_ = 0;
+    result.status = solveEffectors(data, result);
+  }
+  result.held = equalities_ == data.held_rows;
   if (result.status == QpStatus::kInfeasible && relaxEfforts(result) == QpStatus::kSolved) {
     result.status = solveEffectors(data, result);
   }

@@ -77,13 +77,7 @@ std::vector<Material> makeMaterials(const RobotDescription& robot, const TetMesh
 std::vector<bool> markFixedNodes(const RobotDescription& robot, const TetMesh& mesh) {
   std::vector<bool> fixed(mesh.nodes.size(), false);
   for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-    const Vec3& x = mesh.nodes[i];
-    for (const auto& box : robot.fixed.boxes) {
-      if ((x.array() >= box.min.array()).all() && (x.array() <= box.max.array()).all()) fixed[i] = true;
-    }
-    for (const auto& sphere : robot.fixed.spheres) {
-      if ((x - sphere.centre).norm() <= sphere.radius) fixed[i] = true;
-    }
+    fixed[i] = robot.fixed.contains(mesh.nodes[i]);
   }
   for (int node : robot.fixed.nodes) {
     if (node >= static_cast<int>(fixed.size())) {
@@ -95,23 +89,26 @@ std::vector<bool> markFixedNodes(const RobotDescription& robot, const TetMesh& m
   return fixed;
 }
 
-// Three fixed nodes that are not on one line hold all six rigid motions.
-void requireHeld(const RobotDescription& robot, const TetMesh& mesh, const std::vector<bool>& fixed) {
+// Three fixed nodes that are not on one line hold all six rigid motions of a piece.
+void requireHeld(const RobotDescription& robot, const TetMesh& mesh, const std::vector<bool>& fixed,
+                 const MeshReport& report, int piece) {
+  std::vector<Vec3> held;
+  int member = -1;
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (report.piece[i] != piece) continue;
+    member = static_cast<int>(i);
+    if (fixed[i]) held.push_back(mesh.nodes[i]);
+  }
   Vec3 mean = Vec3::Zero();
-  int count = 0;
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (fixed[i]) mean += mesh.nodes[i], ++count;
-  }
+  for (const Vec3& x : held) mean += x / static_cast<double>(held.size());
   Mat3 spread = Mat3::Zero();
-  mean /= std::max(count, 1);
-  for (std::size_t i = 0; i < fixed.size(); ++i) {
-    if (fixed[i]) spread += (mesh.nodes[i] - mean) * (mesh.nodes[i] - mean).transpose();
-  }
+  for (const Vec3& x : held) spread += (x - mean) * (x - mean).transpose();
   const Vec3 widths = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-  if (count < 3 || widths[1] <= 1e-12 * widths[2]) {
-    throw ConfigError(robot.file + ": fixed", join(count, " fixed nodes", count < 3 ? "" : " on one line"),
-                      "three fixed nodes or more that are not on one line, so that the body cannot move freely");
-  }
+  if (held.size() >= 3 && widths[1] > 1e-12 * widths[2]) return;
+  const std::string where = report.pieces == 1 ? "" : join(" in the piece of node ", member);
+  throw ConfigError(robot.file + ": fixed",
+                    join(held.size(), " fixed nodes", held.size() < 3 ? "" : " on one line", where),
+                    "three fixed nodes or more that are not on one line, so that no piece can move freely");
 }
 
 EmbeddedPoint embed(const RobotDescription& robot, const PointLocator& locator, double mesh_size, const Vec3& position,
@@ -164,15 +161,18 @@ RobotModel::RobotModel(const RobotDescription& description)
     : RobotModel(description, readMesh(description.mesh_file, description.mesh_scale)) {}
 
 RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
-    : description_(description), mesh_(mesh), surface_(makeBoundarySurface(mesh)) {
-  const MeshReport report = checkMesh(mesh_);
+    : description_(description),
+      mesh_(mesh),
+      surface_(makeBoundarySurface(mesh)),
+      actuators_(listActuators(description)) {
+  const MeshReport report = checkMesh(mesh_, description.mesh_pieces);
   if (!report.errors.empty()) throw ConfigError(description.mesh_file, report.errors.front(), "a sound mesh");
   for (const std::string& warning : report.warnings) warnings_.push_back(description.mesh_file + ": " + warning);
   warnOfMaterials(description, warnings_);
 
   const std::vector<bool> fixed = markFixedNodes(description, mesh_);
-  requireHeld(description, mesh_, fixed);
-  const double size = (report.upper - report.lower).norm();
+  for (int piece = 0; piece < report.pieces; ++piece) requireHeld(description, mesh_, fixed, report, piece);
+  size_ = (report.upper - report.lower).norm();
   const PointLocator locator(mesh_);
   std::vector<std::vector<EmbeddedPoint>> via_points;
   std::vector<std::vector<int>> couplings;
@@ -180,7 +180,7 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
     via_points.emplace_back();
     const CableDescription& cable = description.cables[c];
     for (std::size_t i = 0; i < cable.via_points.size(); ++i) {
-      via_points.back().push_back(embed(description, locator, size, cable.via_points[i],
+      via_points.back().push_back(embed(description, locator, size_, cable.via_points[i],
                                         join("cables[", c, "].via_points[", i, "]"), warnings_));
       const EmbeddedPoint* before = i == 0 ? nullptr : &via_points.back()[i - 1];
       couplings.push_back(SegmentStiffness::coupledNodes(before, via_points.back()[i]));
@@ -199,7 +199,7 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
   }
   for (std::size_t e = 0; e < description.effectors.size(); ++e) {
     const std::string key = join("effectors[", e, "].point");
-    const EmbeddedPoint point = embed(description, locator, size, description.effectors[e].point, key, warnings_);
+    const EmbeddedPoint point = embed(description, locator, size_, description.effectors[e].point, key, warnings_);
     requireMovable(description, *fem_, key, {point});
     effectors_.emplace_back(description.effectors[e], point);
   }
@@ -208,8 +208,8 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
 
 RobotModel::~RobotModel() = default;
 
-int RobotModel::actuatorCount() const {
-  return static_cast<int>(cables_.size());
+double RobotModel::actuatorLength(int actuator) const {
+  return actuator < static_cast<int>(cables_.size()) ? cables_[actuator].restLength() : size_;
 }
 
 int RobotModel::effectorCount() const {
@@ -244,7 +244,7 @@ int RobotModel::maxContactEntries() const {
 
 int RobotModel::findActuator(const std::string& name) const {
   for (int i = 0; i < actuatorCount(); ++i) {
-    if (cables_[i].description().name == name) return i;
+    if (actuators_[i].name == name) return i;
   }
   return -1;
 }

@@ -5,7 +5,7 @@
 namespace sinew {
 namespace {
 
-constexpr double kTolerated = 0.2;   // surprise over step
+constexpr double kTolerated = 0.5;   // surprise over step
 constexpr double kShortStep = 1e-7;  // m below which a step says nothing
 constexpr double kFirst = 0.05, kLargest = 10, kSmallest = 1e-3;
 constexpr double kRise = 2, kFall = 0.7;
