@@ -13,13 +13,14 @@ namespace sinew {
 
 struct VolumeSettings {
   double contact_distance = 1e-3;  ///< m, distance at which the gap is 0, of parallel faces
-  double dilation = 1.5e-3;        ///< m by which obstacles grow: the distance at which a volume begins
+  double dilation = 2.5e-3;        ///< m by which obstacles grow: the distance at which a volume begins
+  double sharpness = 4;            ///< power of the depth with which parts of a region count in its row; 0: all alike
   int pixels = 64;                 ///< along each side of a view
   double appear = 0.1;             ///< mean thickness, as a part of the dilation, at which a region becomes a row
   double vanish = 0.02;            ///< and below which it is given up
 
-  /// Throws ConfigError. A round contact has about twice its mean depth in the middle: with a dilation of more than
-  /// twice the contact distance, a row that is satisfied would let the bodies touch.
+  /// Throws ConfigError. A pointed contact is deepest at its tip, by (p + 3) / (p + 1) of its mean with sharpness p: a
+  /// dilation beyond the bound would let it touch where its row is satisfied.
   void check() const;
 };
 
@@ -43,8 +44,10 @@ struct VolumeRegion {
 ///   gap = (V_ref - V) / S,   V_ref = S (a - contact distance),
 /// S the overlap area |integral of the soft surface's normal over its part inside|, in m: for parallel faces the
 /// distance less the contact distance. A plain intersection volume would vanish, with its gradient, where the row is
-/// satisfied.
-///   d gap / d x_v = -dV / d x_v / S,   V_ref and S held,
+/// satisfied. In V and S of each view a ray counts by (its way inside / the longest)^p, so that V / S is nearly the
+/// greatest depth, and still smooth: the plain mean lets round bodies sink into each other. The normal is that of the
+/// plain overlap.
+///   d gap / d x_v = -dV / d x_v / S,   V_ref, S and these weights held,
 /// dV / d x_v along each axis from the view along it: the sum over the pixels of a region's ends on the soft surface,
 /// of pixel area times the weight of v there, positive where the ray leaves. V is the mean of the three views weighted
 /// by the square of the contact normal's entries.
@@ -67,7 +70,7 @@ class VolumeDetection {
     std::vector<VolumeRegion> previous;
   };
   struct Sum {
-    std::array<double, 3> volume{}, covered{};
+    std::array<double, 3> volume{}, covered{}, longest{};
     Vec3 moment = Vec3::Zero();
     double weight = 0;
     Vec3 boundary = Vec3::Zero();
@@ -82,7 +85,11 @@ class VolumeDetection {
   int find(int segment);
   void join(int a, int b);
   bool collectRegions();
-  void addToSum(const DepthView& view, const DepthView::Segment& segment, Sum& sum) const;
+  double calcWeight(int k, const DepthView::Segment& segment, int region) const;
+  static void addToSum(const DepthView& view, const DepthView::Segment& segment, double weight, Sum& sum);
+  void weighRegions();
+  double calcDepth(int region) const;
+  Vec3 calcShares(int region) const;
   VolumeRegion makeRegion(const Sum& sum) const;
   void nameRegions(Obstacle& obstacle);
   void addRow(const MovingSurface& surface, int obstacle, int region, ContactList& list);
@@ -96,7 +103,7 @@ class VolumeDetection {
   std::array<int, 4> first_{};  // number of the first segment of each view
   std::vector<int> parent_;     // by segment of all views: union-find
   std::vector<int> region_of_;  // by segment
-  std::vector<Sum> sums_;
+  std::vector<Sum> sums_, weighted_sums_;
   std::vector<VolumeRegion> regions_;
   std::vector<char> is_taken_;
   std::vector<Vec3> gradient_;  // dV/dx by vertex

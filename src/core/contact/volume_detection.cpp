@@ -14,6 +14,7 @@ namespace {
 constexpr int kLayersPerPixel = 8;
 constexpr double kSmallest = 1e-9;   // m, an overlap of boxes thinner than that is none
 constexpr double kLeastPart = 0.25;  // of the covered area that counts as overlap where the surface's normals cancel
+constexpr double kLeastShare = 0.1;  // likewise of a view, in its part of the row
 
 /// Moves each vertex so that its faces move outwards by `margin`, in the least-squares sense; no farther than twice
 /// that.
@@ -47,8 +48,10 @@ void require(bool holds, const char* name, double found, const char* expected) {
 
 void VolumeSettings::check() const {
   require(contact_distance > 0, "contact_distance", contact_distance, "greater than 0 m");
-  require(dilation > contact_distance && dilation <= 2 * contact_distance, "dilation", dilation,
-          "more than the contact distance and at most twice that");
+  require(sharpness >= 0 && sharpness <= 100, "sharpness", sharpness, "0 to 100");
+  const double most = contact_distance * (sharpness + 3) / 2;
+  require(dilation > contact_distance && dilation <= most * (1 + 1e-9), "dilation", dilation,
+          ("more than the contact distance and at most " + std::to_string(most)).c_str());
   require(pixels >= 2 && pixels <= 512, "pixels", pixels, "2 to 512");
   require(vanish >= 0 && vanish <= appear && appear < 1, "appear", appear, "between vanish and 1");
 }
@@ -71,6 +74,7 @@ VolumeDetection::VolumeDetection(const VolumeSettings& settings, const Collision
   parent_.reserve(3 * max_layers);
   region_of_.reserve(3 * max_layers);
   sums_.reserve(max_regions);
+  weighted_sums_.reserve(max_regions);
   regions_.reserve(max_regions);
   is_taken_.reserve(max_regions);
   gradient_.assign(topology.vertices(), Vec3::Zero());
@@ -85,6 +89,7 @@ bool VolumeDetection::addObstacle(const MovingSurface& surface, int index, const
   bool has_room = updateViews(surface, obstacle, pose);
   joinSegments();
   has_room = collectRegions() && has_room;
+  weighRegions();
   nameRegions(obstacle);
   for (int region = 0; region < static_cast<int>(regions_.size()); ++region) addRow(surface, index, region, list);
   return has_room;
@@ -174,28 +179,68 @@ bool VolumeDetection::collectRegions() {
         sums_.push_back(Sum());
       }
       region_of_[i] = region_of_[root];
-      if (region_of_[i] >= 0) addToSum(views_[k], views_[k].segments()[i - first_[k]], sums_[region_of_[i]]);
+      if (region_of_[i] >= 0) addToSum(views_[k], views_[k].segments()[i - first_[k]], 1, sums_[region_of_[i]]);
     }
   }
   for (const Sum& sum : sums_) regions_.push_back(makeRegion(sum));
   return std::find(region_of_.begin(), region_of_.end(), -1) == region_of_.end();
 }
 
-void VolumeDetection::addToSum(const DepthView& view, const DepthView::Segment& segment, Sum& sum) const {
+double VolumeDetection::calcWeight(int k, const DepthView::Segment& segment, int region) const {
+  return std::pow((segment.end - segment.begin) / sums_[region].longest[k], settings_.sharpness);
+}
+
+void VolumeDetection::weighRegions() {
+  weighted_sums_.assign(sums_.size(), Sum());
+  for (int k = 0; k < 3; ++k) {
+    for (int i = first_[k]; i < first_[k + 1]; ++i) {
+      const int region = region_of_[i];
+      if (region < 0) continue;
+      const DepthView::Segment& segment = views_[k].segments()[i - first_[k]];
+      addToSum(views_[k], segment, calcWeight(k, segment, region), weighted_sums_[region]);
+    }
+  }
+}
+
+double VolumeDetection::calcDepth(int region) const {
+  const Sum& sum = weighted_sums_[region];
+  const Vec3 normal = regions_[region].boundary.normalized();
+  double depth = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (sum.covered[k] > 0) depth += std::pow(std::abs(normal[k]), 3) * sum.volume[k] / sum.covered[k];
+  }
+  return depth;
+}
+
+// What turns the sums of each view into the part of the normal along its axis.
+Vec3 VolumeDetection::calcShares(int region) const {
+  const Sum& sum = weighted_sums_[region];
+  const Vec3 normal = regions_[region].boundary.normalized();
+  Vec3 shares = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const double least = kLeastShare * std::abs(normal[k]) * sum.covered[k];
+    if (least > 0) shares[k] = std::abs(normal[k]) / std::max(least, std::abs(sum.boundary[k]));
+  }
+  return shares;
+}
+
+void VolumeDetection::addToSum(const DepthView& view, const DepthView::Segment& segment, double weight, Sum& sum) {
   const int k = view.axis();
-  const double volume = view.pixelArea() * (segment.end - segment.begin);
+  const double area = weight * view.pixelArea();
+  const double volume = area * (segment.end - segment.begin);
   const Vec3 middle = view.calcMiddle(segment);
   Vec3 begin = middle, end = middle;
   begin[k] = segment.begin;
   end[k] = segment.end;
   sum.volume[k] += volume;
-  sum.covered[k] += view.pixelArea();
+  sum.covered[k] += area;
+  sum.longest[k] = std::max(sum.longest[k], segment.end - segment.begin);
   sum.moment += volume * middle;
   sum.weight += volume;
   sum.box.extend(begin);
   sum.box.extend(end);
-  if (segment.begin_layer >= 0) sum.boundary[k] -= view.pixelArea();
-  if (segment.end_layer >= 0) sum.boundary[k] += view.pixelArea();
+  if (segment.begin_layer >= 0) sum.boundary[k] -= area;
+  if (segment.end_layer >= 0) sum.boundary[k] += area;
 }
 
 VolumeRegion VolumeDetection::makeRegion(const Sum& sum) const {
@@ -239,7 +284,7 @@ void VolumeDetection::addRow(const MovingSurface& surface, int obstacle, int ind
   const VolumeRegion& region = regions_[index];
   ContactRow row;
   row.key = makeContactKey(obstacle, PairKind::kVolume, region.id, 0);
-  const double thickness = region.calcThickness();
+  const double thickness = calcDepth(index);
   const double least = list.hadRow(row.key) ? settings_.vanish : settings_.appear;
   if (region.boundary.norm() == 0 || thickness < least * settings_.dilation) return;
   row.obstacle = obstacle;
@@ -251,9 +296,10 @@ void VolumeDetection::addRow(const MovingSurface& surface, int obstacle, int ind
   row.area = region.area;
 
   collectGradient(surface, index);
+  const Vec3 shares = calcShares(index);
   entries_.clear();
   for (const int vertex : touched_) {
-    entries_.push_back({0, surface.topology().node(vertex), -gradient_[vertex] / region.area});
+    entries_.push_back({0, surface.topology().node(vertex), -gradient_[vertex].cwiseProduct(shares)});
     gradient_[vertex].setZero();
     is_touched_[vertex] = 0;
   }
@@ -266,8 +312,9 @@ void VolumeDetection::collectGradient(const MovingSurface& surface, int region) 
     for (int i = first_[k]; i < first_[k + 1]; ++i) {
       if (region_of_[i] != region) continue;
       const DepthView::Segment& segment = views_[k].segments()[i - first_[k]];
-      addGradient(surface, views_[k], segment.begin_layer, -views_[k].pixelArea());
-      addGradient(surface, views_[k], segment.end_layer, views_[k].pixelArea());
+      const double area = calcWeight(k, segment, region) * views_[k].pixelArea();
+      addGradient(surface, views_[k], segment.begin_layer, -area);
+      addGradient(surface, views_[k], segment.end_layer, area);
     }
   }
   std::sort(touched_.begin(), touched_.end());
