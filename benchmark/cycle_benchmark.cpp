@@ -19,6 +19,8 @@
 
 #include "duration_sample.h"
 #include "real_time.h"
+#include "sinew/common/csv_table.h"
+#include "sinew/common/sampled_signal.h"
 #include "sinew/fem/fem_model.h"
 #include "sinew/inverse/forward_simulator.h"
 #include "sinew/inverse/inverse_controller.h"
@@ -35,24 +37,39 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 struct Scene {
   std::string name;
   std::string file;
-  std::function<Vec3(double)> target;                                        // m of the first effector, by time in s
+  std::function<VecX(double)> target;                                        // m of the first effectors, by time in s
   std::function<void(double, std::vector<ObstacleState>&)> place_obstacles;  // likewise; empty: they stay
   double duration;                                                           // s
   std::map<std::string, double> thesis;                                      // ms by stage, of its scene of that kind
   double rate = 100;                                                         // Hz, of controller and simulated robot
+  bool self = false;                                                         // every part may touch every other
 };
 
 /// A horizontal circle, one turn in `turn` [s].
-std::function<Vec3(double)> makeCircle(const Vec3& centre, double radius, double turn) {
-  return [=](double time) -> Vec3 {
+std::function<VecX(double)> makeCircle(const Vec3& centre, double radius, double turn) {
+  return [=](double time) -> VecX {
     const double angle = kTurn * time / turn;
     return centre + radius * Vec3(std::cos(angle), std::sin(angle), 0);
   };
 }
 
 /// From one point to another and back.
-std::function<Vec3(double)> makeSway(const Vec3& from, const Vec3& to, double period) {
-  return [=](double time) -> Vec3 { return from + (to - from) * (0.5 - 0.5 * std::cos(kTurn * time / period)); };
+std::function<VecX(double)> makeSway(const Vec3& from, const Vec3& to, double period) {
+  return [=](double time) -> VecX { return from + (to - from) * (0.5 - 0.5 * std::cos(kTurn * time / period)); };
+}
+
+/// The shipped targets of the named effectors.
+std::function<VecX(double)> readTargets(const std::string& file, const std::vector<std::string>& effectors) {
+  const CsvTable table = CsvTable::fromFile(file);
+  MatX targets(3 * effectors.size(), table.rows());
+  for (int row = 0; row < targets.rows(); ++row) {
+    targets.row(row) = table.numbers("target_" + effectors[row / 3] + "_" + "xyz"[row % 3]).transpose();
+  }
+  return [signal = SampledSignal(table.risingNumbers("t"), targets)](double time) {
+    VecX value;
+    signal.calcValue(time, value);
+    return value;
+  };
 }
 
 /// Moves the first obstacle along x [m] and back.
@@ -75,7 +92,26 @@ std::vector<Scene> makeScenes(const std::string& config) {
            makeSway(Vec3(0, 0.005, 0.098), Vec3(0, 0.012, 0.075), 4),
            {},
            8,
-           {{"compliance", 0.64}, {"qp", 0.08}, {"cycle", 4.79}}}};
+           {{"compliance", 0.64}, {"qp", 0.08}, {"cycle", 4.79}}},
+          {"beam_contact",
+           config + "/beam/beam.yaml",
+           readTargets(config + "/beam/sway.csv", {"tip"}),
+           {},
+           16,
+           {{"compliance", 3.38}, {"qp", 0.63}, {"cycle", 13.17}}},
+          {"gripper_contact",
+           config + "/gripper/gripper.yaml",
+           readTargets(config + "/gripper/close.csv", {"tip_1", "tip_2", "tip_3"}),
+           {},
+           10,
+           {}},
+          {"tentacle_contact",
+           config + "/tentacle/tentacle.yaml",
+           readTargets(config + "/tentacle/curl.csv", {"tip"}),
+           {},
+           16,
+           {}},
+          {"trunk_self", config + "/trunk/trunk.yaml", makeCircle(Vec3(0, 0, 0.19), 0.04, 8), {}, 8, {}, 100, true}};
 }
 
 void pinToOneCore() {
@@ -152,7 +188,6 @@ std::vector<VecX> timeController(const Scene& scene, std::shared_ptr<const Robot
   controller.resynchronise(VecX::Zero(robot->actuatorCount()));
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
-  input.targeted.front() = true;
   input.period = 1 / scene.rate;
   const std::vector<ObstacleState> resting = makeResting(*robot);
   const int cycles = static_cast<int>(scene.duration * scene.rate);
@@ -160,7 +195,9 @@ std::vector<VecX> timeController(const Scene& scene, std::shared_ptr<const Robot
   std::vector<VecX> commands;
   for (int k = -cycles / 4; k < cycles; ++k) {  // the first quarter leads to the curve
     const double time = k / scene.rate;
-    input.targets.head<3>() = scene.target(time);
+    const VecX targets = scene.target(time);
+    input.targets.head(targets.size()) = targets;
+    std::fill_n(input.targeted.begin(), targets.size() / 3, true);
     input.obstacles = resting;
     if (scene.place_obstacles && k >= 0) scene.place_obstacles(time, input.obstacles);
     controller.step(input, output);
@@ -200,7 +237,9 @@ void timePlant(const Scene& scene, std::shared_ptr<const RobotModel> robot, cons
 }
 
 void run(const Scene& scene) {
-  const auto robot = std::make_shared<const RobotModel>(readRobotDescription(scene.file));
+  RobotDescription description = readRobotDescription(scene.file);
+  if (scene.self) description.contacts.self = true;
+  const auto robot = std::make_shared<const RobotModel>(description);
   timePlant(scene, robot, timeController(scene, robot));
 }
 

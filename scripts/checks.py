@@ -14,6 +14,9 @@ def rostest(name):
     return f"_ctest_sinew_rostest_test_nodes_{name}.test"
 
 
+# Scenes with contact: each states what holds in all of them.
+CONTACT_SCENES = ("beam", "finger_obstacle", "gripper", "penetration", "tentacle", "trunk_rail")
+
 CHECKS = (
     Check(
         "patch_test",
@@ -77,9 +80,9 @@ CHECKS = (
     ),
     Check(
         "qpcc_oracle",
-        "Random programmes with complementarity constraints, dependent and infeasible ones too, against the enumeration of "
-        "all their pieces.",
-        [gtest("solver_qpcc_oracle_test")],
+        "Random programmes with complementarity constraints, dependent and infeasible ones too, and those of live robots "
+        "with other goals and limits, against the full formulation and the enumeration of all their pieces.",
+        [gtest("solver_qpcc_oracle_test"), gtest("inverse_qpcc_oracle_test")],
     ),
     Check(
         "finger_obstacle",
@@ -89,7 +92,47 @@ CHECKS = (
     Check(
         "signorini",
         "At the solution of every cycle's linear problem no contact is passed, none pulls, and none presses from afar.",
-        [gtest("inverse_finger_obstacle_test")],
+        [gtest(f"inverse_{scene}_test") for scene in CONTACT_SCENES],
+    ),
+    Check(
+        "penetration",
+        "How deep the real surface of a robot, sampled over every triangle, is in obstacles or in itself, with obstacles "
+        "that move at 0.1 m/s and 100 cycles a second.",
+        [gtest(f"inverse_{scene}_test") for scene in CONTACT_SCENES],
+    ),
+    Check(
+        "contact_stability",
+        "Robots that lean on something and are not moved: changes of the pairs that press, over 1000 cycles.",
+        [gtest("inverse_contact_stability_test")],
+    ),
+    Check(
+        "contact_soak",
+        "Targets and obstacles move, appear and vanish at random for two minutes of the robots' time (30 with "
+        "scripts/test --full): every cycle has an answer within what the devices allow, and every tension that gave way is "
+        "reported.",
+        [gtest("inverse_contact_soak_test")],
+    ),
+    Check(
+        "crossing_cylinder",
+        "The trunk's tip follows circles of 30 and 60 mm radius while a cylinder crosses its way.",
+        [gtest("inverse_crossing_cylinder_test")],
+    ),
+    Check(
+        "gripper",
+        "Three fingers close on a ball, open, and follow it when it moves; without it they meet each other. Unequal pulls "
+        "come back from the fingertips that they lead to.",
+        [gtest("inverse_gripper_test")],
+    ),
+    Check(
+        "tentacle",
+        "One cable curls the tentacle until its ribs press against each other, and the inverse of the reached tip gives it "
+        "back.",
+        [gtest("inverse_tentacle_test")],
+    ),
+    Check(
+        "beam",
+        "A beam sways from the obstacle above it to the one below, and the inverse of either end gives both cables back.",
+        [gtest("inverse_beam_test")],
     ),
     Check(
         "moving_obstacle",

@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "sinew/common/csv_table.h"
+#include "sinew/common/sampled_signal.h"
 #include "sinew/inverse/forward_simulator.h"
 #include "sinew/inverse/inverse_controller.h"
 
@@ -14,6 +16,17 @@ inline RobotDescription readShippedRobot(const std::string& name) {
 
 inline std::shared_ptr<const RobotModel> makeRobot(const RobotDescription& description) {
   return std::make_shared<const RobotModel>(description);
+}
+
+/// Targets [m] of all effectors over time from config/`file`, in the layout of CycleInput.
+inline SampledSignal readShippedTargets(const RobotModel& robot, const std::string& file) {
+  const CsvTable table = CsvTable::fromFile(std::string(SINEW_SOURCE_DIR) + "/config/" + file);
+  MatX targets(3 * robot.effectorCount(), table.rows());
+  for (int row = 0; row < targets.rows(); ++row) {
+    const std::string& effector = robot.description().effectors[row / 3].name;
+    targets.row(row) = table.numbers("target_" + effector + "_" + "xyz"[row % 3]).transpose();
+  }
+  return SampledSignal(table.risingNumbers("t"), targets);
 }
 
 /// The shipped description without bounds on displacement, its rate, and tension above zero.

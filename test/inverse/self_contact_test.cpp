@@ -1,10 +1,13 @@
 // The finger bent so far that its ribs press against each other.
 
 #include <algorithm>
+#include <set>
 
 #include "check_line.h"
+#include "common/complaint.h"
 #include "inverse/robots.h"
 #include "sinew/fem/fem_model.h"
+#include "sinew/inverse/contact_finder.h"
 
 namespace sinew {
 namespace {
@@ -62,6 +65,51 @@ TEST_F(SelfContact, WithoutItTheRibsWouldPass) {
   bend(passing);
   bend(touching);
   EXPECT_GT((passing.effectors() - touching.effectors()).norm(), 0.002) << "m";
+}
+
+RegionDescription makeRegion(const std::string& name, double low, double high) {
+  RegionDescription region;
+  region.name = name;
+  region.boxes = {{Vec3(-1, -1, low), Vec3(1, 1, high)}};
+  return region;
+}
+
+// Every rib with every other, or the lowest two alone: contacts are those of all pairs that lie in the named regions.
+TEST_F(SelfContact, OnlyNamedRegionsTouch) {
+  const RobotDescription everything = makeDescription(true);
+  RobotDescription whole = everything, low = everything;
+  whole.contacts.regions = {makeRegion("whole", -1, 1)};
+  whole.contacts.self_pairs = {{{0, 0}}};
+  low.contacts.regions = {makeRegion("first", -1, 0.022), makeRegion("second", 0.027, 0.048)};
+  low.contacts.self_pairs = {{{0, 1}}};
+  ForwardSimulator forward(makeRobot(everything));
+  bend(forward);
+  const auto find = [&](const RobotDescription& description) {
+    const auto robot = makeRobot(description);
+    ContactFinder finder(*robot);
+    StageTimes times;
+    std::set<std::uint64_t> keys;
+    const ContactList& list = finder.find(forward.nodes(), times);
+    for (int i = 0; i < list.size(); ++i) keys.insert(list.row(i).key);
+    return keys;
+  };
+  const std::set<std::uint64_t> all = find(everything), some = find(low);
+  EXPECT_EQ(find(whole), all);
+  EXPECT_FALSE(some.empty());
+  EXPECT_LT(some.size(), all.size());
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), some.begin(), some.end()));
+}
+
+TEST_F(SelfContact, ARegionHoldsAPartOfTheSurface) {
+  RobotDescription description = makeDescription(true);
+  description.contacts.regions = {makeRegion("tip", 0.08, 1), makeRegion("beyond", 0.2, 1)};
+  description.contacts.self_pairs = {{{0, 1}}};
+  const auto robot = makeRobot(description);
+  const std::string words = complaintOf([&] { ContactFinder finder(*robot); });
+  EXPECT_NE(
+      words.find("finger.yaml: contacts.regions[1]: found 'beyond' without a node of the surface, expected boxes"),
+      std::string::npos)
+      << words;
 }
 
 TEST_F(SelfContact, TheInverseReachesWhatTheForwardReached) {

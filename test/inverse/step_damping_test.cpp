@@ -11,7 +11,7 @@ double dampingAfter(int bad_steps, int good_steps) {
   StepDamping damping;
   for (int k = 0; k < bad_steps + good_steps; ++k) {
     damping.recordStep(kStep);
-    damping.update(k < bad_steps ? 0.5 * kStep : 0.01 * kStep);
+    damping.update(k < bad_steps ? 0.8 * kStep : 0.01 * kStep);
   }
   return damping.value();
 }
