@@ -71,6 +71,22 @@ TEST_P(Penetration, APostIsPushedAgainstTheFinger) {
   run.watch.check(name("finger_push"), kLargestDepth);
 }
 
+// A goal that the post keeps out of reach: the command comes to rest all the same.
+TEST_P(Penetration, TheFingerRestsBehindAPost) {
+  Passage run(makeRobotWith("finger", GetParam()));
+  run.moveTo(Vec3(0, -0.02, 0));
+  run.wait(200);
+  double step = 0;
+  for (int k = 0; k < 100; ++k) {
+    const VecX before = run.output.displacement;
+    run.cycle();
+    step = std::max(step, (run.output.displacement - before).cwiseAbs().maxCoeff());
+  }
+  EXPECT_GT(run.output.effector_error, 1e-3) << "m: it is out of reach";
+  const double noise = GetParam() == DetectionMethod::kProximity ? 5 : 50;  // pixels move the volumes
+  checkFigure("penetration." + name("finger_behind_post_step"), 1e6 * step, "<=", noise, "um");
+}
+
 TEST_P(Penetration, APostPassesAlongTheFinger) {
   Passage run(makeRobotWith("finger", GetParam()));
   // Beside its stiff foot, between two ribs, one row for the whole overlap is too coarse.

@@ -40,6 +40,17 @@ TEST(StepDamping, FallsAndVanishesAfterwards) {
   EXPECT_EQ(dampingAfter(100, 60), 0);
 }
 
+TEST(StepDamping, RisesWhenStepsGoToAndFro) {
+  StepDamping damping;
+  damping.recordStep(kStep, true);
+  damping.update(0);
+  EXPECT_GT(damping.value(), 0);
+  const double risen = damping.value();
+  damping.recordStep(kStep);
+  damping.update(0);
+  EXPECT_LT(damping.value(), risen);
+}
+
 TEST(StepDamping, LearnsNothingFromAStepTooShortToMatter) {
   StepDamping damping;
   damping.recordStep(1e-9);

@@ -62,6 +62,8 @@ class CyclePlan {
   int contacts_ = 0;
   bool pressed_ = false;              // some contact did, in the last cycle
   VecX contact_force_, contact_gap_;  // N, m
+  double missed_ = 0;                 // m, of the goal, after the step
+  VecX last_motion_;                  // m, of the rows before the contacts
   VecX gap_shift_, drift_;            // m, of contacts and of the rows before them
   VecX row_motion_;                   // m, of every row
 };

@@ -11,6 +11,8 @@ namespace {
 // Far from its goal the error is large and the curvature of the reachable positions, which the linear problem does not
 // see, decides over convergence: the change of effort is damped, and a gain too small to matter ends the chase.
 constexpr double kFarGoalDamping = 0.3;   // of the best-driven direction
+constexpr double kTakenBack = 0.5;        // cosine between two steps, below which the second takes back the first
+constexpr double kOvershoot = 5;          // of a step, beyond which the next one is another chase
 constexpr double kNegligibleGain = 2e-5;  // of the reach of one cycle
 
 }  // namespace
@@ -26,16 +28,22 @@ CyclePlan::CyclePlan(const RobotModel& robot)
       result_(robot.actuatorCount()),
       contact_force_(VecX::Zero(robot.maxContacts())),
       contact_gap_(VecX::Zero(robot.maxContacts())),
+      last_motion_(VecX::Zero(robot.actuatorCount() + robot.effectorRows())),
       gap_shift_(VecX::Zero(robot.maxContacts())),
       drift_(VecX::Zero(robot.actuatorCount() + robot.effectorRows())),
       row_motion_(VecX::Zero(robot.actuatorCount() + robot.effectorRows() + robot.maxContacts())) {}
 
 void CyclePlan::recordStep(double scale) {
-  damping_.recordStep(scale * row_motion_.head(drift_.size()).norm());
+  const auto motion = row_motion_.head(drift_.size());
+  const double length = motion.norm(), before = last_motion_.norm();
+  const bool back = motion.dot(last_motion_) < -kTakenBack * length * before && length < kOvershoot * before;
+  damping_.recordStep(scale * length, back && missed_ > length);
+  last_motion_ = motion;
 }
 
 void CyclePlan::forget() {
   damping_.reset();
+  last_motion_.setZero();
   problem_.forget();
   search_.forget();
   pressed_ = false;
@@ -156,6 +164,12 @@ void CyclePlan::calcMotion(const CondensedRobot& robot) {
   motion = robot.freeMotion();
   motion.noalias() += robot.compliance().leftCols(robot.actuators()) * result_.effort_change;
   motion.noalias() += robot.compliance().rightCols(contacts_) * contactForce();
+  double squared = 0;
+  for (std::size_t k = 0; k < goal_.rows.size(); ++k) {
+    const int row = goal_.rows[k];
+    squared += std::pow(goal_.error[k] - robot.freeMotion()[row] + motion[row], 2);
+  }
+  missed_ = std::sqrt(squared);
 }
 
 HoldReason CyclePlan::make(const CondensedRobot& robot, const ContactFinder& finder, const CycleInput& input,

@@ -13,7 +13,7 @@ constexpr double kRise = 2, kFall = 0.7;
 }  // namespace
 
 void StepDamping::update(double surprise) {
-  if (last_motion_ > kShortStep && surprise > kTolerated * last_motion_) {
+  if (last_motion_ > kShortStep && (overshoots_ || surprise > kTolerated * last_motion_)) {
     value_ = std::min(kLargest, std::max(kRise * value_, kFirst));
   } else {
     value_ = value_ < kSmallest ? 0 : kFall * value_;
