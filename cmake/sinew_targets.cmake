@@ -12,6 +12,7 @@ endif()
 function(sinew_compile_options target)
   target_compile_options(${target} PRIVATE ${SINEW_WARNINGS})
   target_compile_options(${target} PRIVATE ${SINEW_ARCHITECTURE})
+  target_compile_definitions(${target} PRIVATE EIGEN_STACK_ALLOCATION_LIMIT=1048576)  # the blocks of a product: no heap in a cycle
   if(SINEW_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
     target_link_options(${target} PRIVATE -fsanitize=address,undefined)

@@ -140,6 +140,11 @@ CHECKS = (
         [gtest("inverse_moving_obstacle_test")],
     ),
     Check(
+        "no_allocation",
+        "Over a controller's cycles with contacts that come and go nothing allocates memory, CHOLMOD's own calls apart.",
+        [gtest("inverse_no_allocation_test")],
+    ),
+    Check(
         "bad_input",
         "Targets that are not finite, jump, are late, or name what is not there are refused by name, and the next good one "
         "counts.",
@@ -155,6 +160,11 @@ CHECKS = (
         "moving_cylinder",
         "The whole line keeps the trunk's tip at its target while a cylinder, seen by a late and noisy tracker, pushes it.",
         [rostest("moving_cylinder")],
+    ),
+    Check(
+        "trunk_rail_line",
+        "The whole line brings the trunk on its rail through between two cylinders.",
+        [rostest("trunk_rail")],
     ),
     Check(
         "restart_mid_motion",

@@ -142,8 +142,10 @@ QpStatus InverseProblem::solveEffectors(const InverseProblemData& data, InverseP
 bool InverseProblem::negligible(const InverseProblemData& data) const {
   const auto E = E_.topRows(data.effector_rows);
   const auto error = error_.head(data.effector_rows);
-  if (!(unit_ * (error.norm() - (error + E * z_).norm()) < data.negligible_gain)) return false;
-  const auto within = [](const VecX& min, const VecX& max) { return min.maxCoeff() <= 0 && max.minCoeff() >= 0; };
+  double squared = 0;
+  for (Eigen::Index k = 0; k < error.size(); ++k) squared += std::pow(error[k] + E.row(k).dot(z_), 2);
+  if (!(unit_ * (error.norm() - std::sqrt(squared)) < data.negligible_gain)) return false;
+  const auto within = [](const auto& min, const auto& max) { return min.maxCoeff() <= 0 && max.minCoeff() >= 0; };
   return within(z_min_ - relaxation_, z_max_ + relaxation_) && within(row_min_, row_max_) &&
          (contacts_ == 0 || contact_min_.head(contacts_).maxCoeff() <= 0) &&
          unit_ * error_.head(equalities_).norm() < data.negligible_gain;
@@ -199,7 +201,7 @@ void InverseProblem::solveEnergy(const InverseProblemData& data, InverseProblemR
   qp.upper.head(n) = z_max_ + relaxation_;
   fillRows(n, qp);
   qp.C.block(rows, 0, rank, n) = basis;
-  qp.row_lower.segment(rows, rank).noalias() = basis * z_;
+  for (int k = 0; k < rank; ++k) qp.row_lower[rows + k] = basis.row(k).dot(z_);
   qp.row_upper.segment(rows, rank) = qp.row_lower.segment(rows, rank);
   const QpStatus status = energy_qp_.solve(qp, energy_solution_);
   result.iterations += energy_solution_.iterations;

@@ -23,7 +23,7 @@ void RowSpace::update(const MatX& matrix, int rows, double tolerance) {
     longest = std::max(longest, length);
     if (!(length > tolerance * longest)) return;
     removeBasis(pivot);
-    basis_.row(rank_) = remainder_.row(pivot).normalized();
+    basis_.row(rank_) = remainder_.row(pivot) / remainder_.row(pivot).norm();
     ++rank_;
     for (int i = 0; i < rows; ++i) {
       remainder_.row(i) -= remainder_.row(i).dot(basis_.row(rank_ - 1)) * basis_.row(rank_ - 1);
