@@ -140,6 +140,11 @@ CHECKS = (
         [gtest("inverse_moving_obstacle_test")],
     ),
     Check(
+        "trunk_rail",
+        "The trunk on its rail is brought through between two cylinders, with either method of detection.",
+        [gtest("inverse_trunk_rail_test")],
+    ),
+    Check(
         "no_allocation",
         "Over a controller's cycles with contacts that come and go nothing allocates memory, CHOLMOD's own calls apart.",
         [gtest("inverse_no_allocation_test")],
