@@ -102,8 +102,11 @@ bool check(const std::string& file, int cycles) {
   printWarnings(*robot);
   const CycleTiming timing = timeCycles(robot, cycles);
   printTiming(timing);
+  if (!timing.rests) {
+    std::printf("problem    no equilibrium with slack cables: too soft for its weight, or an obstacle in its way\n");
+  }
   if (timing.held > 0) std::printf("problem    %d of %d cycles were not solved\n", timing.held, cycles);
-  return timing.held == 0;
+  return timing.rests && timing.held == 0;
 }
 
 }  // namespace

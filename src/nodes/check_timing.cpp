@@ -30,12 +30,13 @@ double CycleTiming::predictRate() const {
 
 CycleTiming timeCycles(std::shared_ptr<const RobotModel> robot, int cycles) {
   InverseController controller(robot);
-  controller.resynchronise(VecX::Zero(robot->actuatorCount()));
+  const bool rests = std::isfinite(controller.resynchronise(VecX::Zero(robot->actuatorCount())));
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
   input.targeted.front() = true;
   input.period = kPeriod;
   CycleTiming timing;
+  timing.rests = rests;
   timing.stages = {{"assembly", {}}, {"factor", {}}, {"compliance", {}}, {"quadratic programmes", {}}, {"advance", {}}};
   const double radius = kRadius * calcSize(robot->mesh());
   for (int k = 0; k < cycles; ++k) {

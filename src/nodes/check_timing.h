@@ -16,7 +16,8 @@ struct CycleTiming {
   };
   std::vector<Stage> stages;
   DurationSample cycle;
-  int held = 0;  ///< cycles that were not solved
+  int held = 0;       ///< cycles that were not solved
+  bool rests = true;  ///< whether there is an equilibrium with slack cables
 
   /// Hz at which 99 % of the cycles leave a quarter of their period free.
   double predictRate() const;

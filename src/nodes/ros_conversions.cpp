@@ -365,6 +365,9 @@ void updateStageMessages(const StageStatistics& statistics, std::vector<StageTim
 const char* describe(const CycleOutput& output) {
   if (output.status == CycleStatus::kSolved) return "";
   if (output.status == CycleStatus::kDegraded && !output.holds) return "an effector that is to hold cannot";
+  if (output.status == CycleStatus::kDegraded && output.contacts.crowded) {
+    return "more contacts than contacts.max_contacts has room for";
+  }
   if (output.status == CycleStatus::kDegraded) return "an effort limit gave way: see limits";
   switch (output.reason) {
     case HoldReason::kNotFinite:

@@ -63,7 +63,7 @@ ContactList detect(const Scene& scene, const ProximitySettings& settings) {
   SurfacePairs pairs(settings, a.topology().vertices(), b.topology().vertices(), 200);
   ContactList list(200, 1200);
   list.begin();
-  pairs.addPairs(a, b, 0, list);
+  pairs.addPairs(a, b, nullptr, 0, list);
   list.finish();
   return list;
 }

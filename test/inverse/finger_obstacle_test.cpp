@@ -45,6 +45,25 @@ TEST_F(FingerObstacle, GivesItsCablesBack) {
   watch.check("finger_obstacle", 0.0002);
 }
 
+// Room for one contact where there are several: that is said.
+TEST_F(FingerObstacle, SaysThatContactsFindNoRoom) {
+  bendAroundPost();
+  RobotDescription description = readShippedRobot("finger");
+  description.contacts.max_contacts = 1;
+  InverseController inverse(makeRobot(description));
+  CycleInput input = inverse.makeInput();
+  CycleOutput output = inverse.makeOutput();
+  input.targeted[0] = true;
+  input.targets = forward.effectors();
+  int crowded = 0;
+  for (int k = 0; k < 300; ++k) {
+    const CycleStatus status = inverse.step(input, output);
+    EXPECT_TRUE(!output.contacts.crowded || status == CycleStatus::kDegraded);
+    crowded += output.contacts.crowded;
+  }
+  EXPECT_GT(crowded, 100);
+}
+
 // Without the post the same pull leads elsewhere: the test above means something.
 TEST_F(FingerObstacle, ThePostIsInItsWay) {
   bendAroundPost();

@@ -159,6 +159,18 @@ TEST_F(ForwardSimulatorTest, RefusesWhatIsNoNumberAndStaysWhereItIs) {
   EXPECT_EQ(simulator.settle(actuation), ForwardStatus::kSolved);
 }
 
+// Rounding of the coordinates alone then leaves more than the tolerance of so small a load.
+TEST_F(ForwardSimulatorTest, SettlesAStiffRobotOfLittleWeight) {
+  RobotDescription description = makeBarDescription();
+  description.materials[0].young_modulus = 1e9;
+  description.materials[0].density = 1;
+  ForwardSimulator stiff(makeBarRobot(description));
+  actuation = stiff.makeActuation();
+  EXPECT_EQ(stiff.settle(actuation, 1e-12), ForwardStatus::kSolved);
+  EXPECT_GT(stiff.residualRelative(), 1e-12);
+  EXPECT_LT(stiff.residualRelative(), 1e-7);
+}
+
 TEST_F(ForwardSimulatorTest, SaysThatItDidNotConverge) {
   giveDisplacements(makeFour(-0.01, -0.01, 0.01, 0.01));
   EXPECT_EQ(simulator.settle(actuation, 1e-9, 1), ForwardStatus::kNotConverged);

@@ -50,5 +50,17 @@ TEST(Obstacle, ReadsAMeshInItsScale) {
   EXPECT_NE(complaintOf([&] { makeObstacle(describe(mesh)); }).find("none.stl"), std::string::npos);
 }
 
+TEST(Obstacle, NamesTheFileOfAMeshThatIsOpen) {
+  TemporaryFolder folder;
+  ObstacleGeometry mesh;
+  mesh.kind = ObstacleGeometry::Kind::kMesh;
+  std::string open = kStl;
+  open.erase(open.find("facet normal 1 1 1"), open.find("endsolid") - open.find("facet normal 1 1 1"));
+  mesh.mesh_file = folder.write("open.stl", open);
+  const std::string complaint = complaintOf([&] { makeObstacle(describe(mesh)); });
+  EXPECT_EQ(complaint.find(mesh.mesh_file + ": "), 0U) << complaint;
+  EXPECT_NE(complaint.find("expected a closed surface"), std::string::npos) << complaint;
+}
+
 }  // namespace
 }  // namespace sinew

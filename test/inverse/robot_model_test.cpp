@@ -128,6 +128,8 @@ INSTANTIATE_TEST_SUITE_P(
                               robot.cables[3].displacement.max = 0.001;
                             },
                             "bar.yaml: cables[3].via_points: found only fixed nodes around it"},
+                    Mistake{"EffectorOnTheClamp", [](RobotDescription& robot) { robot.effectors[0].point.x() = 0; },
+                            "bar.yaml: effectors[0].point: found only fixed nodes around it"},
                     Mistake{"EffectorInFixedNodes",
                             [](RobotDescription& robot) {
                               robot.fixed.boxes[0].max.x() = 0.026;

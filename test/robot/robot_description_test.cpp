@@ -288,6 +288,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"method: volume", "method: guess", "contacts.method: found 'guess', expected one of proximity, volume"},
         Mistake{"alarm_distance: 0.004", "alarm_distance: 0", "contacts.alarm_distance: found '0'"},
         Mistake{"contact_distance: 0.002", "contact_distance: 0.004", "contacts.contact_distance: found '0.004'"},
+        Mistake{"contact_distance: 0.002", "contact_distance: 0", "contacts.contact_distance: found '0'"},
         Mistake{"max_contacts: 7", "max_contacts: 0", "contacts.max_contacts: found '0'"},
         Mistake{"resolution: 32", "resolutoin: 32", "contacts.resolutoin: found an unknown key"}));
 

@@ -195,7 +195,9 @@ void QpccTally::check(const std::string& prefix) const {
   figure("below_optimum", excess_, "<=", 1e-6, "1");
   figure("worse_than_decomposition", worse_than_decomposition_, "<=", 0, "1");
   figure("wrong_status", wrong_status_, "<=", 0, "1");
-  figure("least_violation", calcPercent(least_violation_, violations_checked_), ">=", 99, "%");
+  if (violations_checked_ > 0) {
+    figure("least_violation", calcPercent(least_violation_, violations_checked_), ">=", 99, "%");
+  }
   figure("gap", gap_, "<=", 1e-9, "m");
   figure("force", force_, "<=", 1e-9, "1");
   figure("complementarity", complementarity_, "<=", 1e-12, "1");

@@ -44,6 +44,9 @@ struct PackedBox {
   float squaredDistance(const Eigen::Vector4f& p) const {
     return (p - p.cwiseMax(lower).cwiseMin(upper)).squaredNorm();
   }
+  float squaredDistance(const PackedBox& other) const {
+    return (lower - other.upper).cwiseMax(other.lower - upper).cwiseMax(Eigen::Vector4f::Zero()).squaredNorm();
+  }
   /// The smallest that a . b can be for a in this box and b in the other.
   float calcLeastDot(const PackedBox& other) const {
     const Eigen::Vector4f by_lower = lower.cwiseProduct(other.lower).cwiseMin(upper.cwiseProduct(other.lower));
@@ -65,6 +68,8 @@ class AabbTree {
   /// `normals`: for each triangle, a box around the normals of its features.
   void refitNormals(const std::vector<Box>& normals);
   const Box& box() const { return box_; }
+  /// All triangles, those that were near each other at set-up close together. Allocates.
+  std::vector<int> makeOrder() const;
 
   /// visit(triangle) for each whose box overlaps `box`.
   template <typename Visit>
@@ -72,17 +77,23 @@ class AabbTree {
     searchBox(0, PackedBox(box), visit);
   }
 
-  /// visit(triangle here, triangle of `other`) for each pair whose boxes come within `margin` along every axis.
+  /// visit(triangle here, triangle of `other`) for each pair whose boxes come within `margin` [m].
   template <typename Visit>
   void forEachPair(const AabbTree& other, double margin, const Visit& visit) const {
-    searchPairs<false>(*this, 0, other, 0, static_cast<float>(margin), visit);
+    searchPairs<false>(*this, 0, other, 0, {calcLoosenedSquare(margin), 0}, visit);
   }
 
-  /// Likewise within the tree, each pair of different triangles once, without some pairs none of whose normals differ
-  /// by more than a right angle.
+  /// Likewise within the tree, each pair of different triangles once, without some pairs all of whose normals (of at
+  /// most unit length) have products above `facing`.
   template <typename Visit>
-  void forEachOwnPair(double margin, const Visit& visit) const {
-    searchSelf(0, static_cast<float>(margin), visit);
+  void forEachOwnPair(double margin, const Visit& visit, double facing = 0) const {
+    searchSelf(0, {calcLoosenedSquare(margin), static_cast<float>(facing) + kRounding}, visit);
+  }
+
+  /// Whether the boxes of two triangles come within `margin` [m].
+  bool comesNear(int triangle, const AabbTree& other, int other_triangle, double margin) const {
+    const PackedBox& box = nodes_[leaf_of_[triangle]].box;
+    return box.squaredDistance(other.nodes_[other.leaf_of_[other_triangle]].box) <= calcLoosenedSquare(margin);
   }
 
   /// visit(triangle) returns a squared distance [m2]; triangles whose boxes are farther from `point` than the smallest
@@ -117,32 +128,41 @@ class AabbTree {
     searchBox(node.right, box, visit);
   }
 
+  static float calcLoosenedSquare(double margin) { return static_cast<float>(margin * margin) * (1 + kLoosening); }
+
+  struct Limits {
+    float squared_margin;  // m2
+    float facing;          // product of normals
+  };
+
   template <bool must_face>
-  static bool mayMeet(const Node& a, const Node& b, float margin) {
-    return a.box.isWithin(margin, b.box) && !(must_face && a.normals.calcLeastDot(b.normals) > kRounding);
+  static bool mayMeet(const Node& a, const Node& b, const Limits& limits) {
+    return a.box.squaredDistance(b.box) <= limits.squared_margin &&
+           !(must_face && a.normals.calcLeastDot(b.normals) > limits.facing);
   }
 
   template <bool must_face, typename Visit>
-  static void searchPairs(const AabbTree& a, int at, const AabbTree& b, int bt, float margin, const Visit& visit) {
+  static void searchPairs(const AabbTree& a, int at, const AabbTree& b, int bt, const Limits& limits,
+                          const Visit& visit) {
     const Node& na = a.nodes_[at];
     const Node& nb = b.nodes_[bt];
-    if (!mayMeet<must_face>(na, nb, margin)) return;
+    if (!mayMeet<must_face>(na, nb, limits)) return;
     if (na.right < 0 && nb.right < 0) return visit(na.triangle, nb.triangle);
     if (nb.right < 0 || (na.right >= 0 && na.size >= nb.size)) {
-      searchPairs<must_face>(a, at + 1, b, bt, margin, visit);
-      searchPairs<must_face>(a, na.right, b, bt, margin, visit);
+      searchPairs<must_face>(a, at + 1, b, bt, limits, visit);
+      searchPairs<must_face>(a, na.right, b, bt, limits, visit);
     } else {
-      searchPairs<must_face>(a, at, b, bt + 1, margin, visit);
-      searchPairs<must_face>(a, at, b, nb.right, margin, visit);
+      searchPairs<must_face>(a, at, b, bt + 1, limits, visit);
+      searchPairs<must_face>(a, at, b, nb.right, limits, visit);
     }
   }
 
   template <typename Visit>
-  void searchSelf(int at, float margin, const Visit& visit) const {
-    if (isLeaf(at) || nodes_[at].normals.calcLeastDot(nodes_[at].normals) > kRounding) return;
-    searchSelf(at + 1, margin, visit);
-    searchSelf(nodes_[at].right, margin, visit);
-    searchPairs<true>(*this, at + 1, *this, nodes_[at].right, margin, visit);
+  void searchSelf(int at, const Limits& limits, const Visit& visit) const {
+    if (isLeaf(at) || nodes_[at].normals.calcLeastDot(nodes_[at].normals) > limits.facing) return;
+    searchSelf(at + 1, limits, visit);
+    searchSelf(nodes_[at].right, limits, visit);
+    searchPairs<true>(*this, at + 1, *this, nodes_[at].right, limits, visit);
   }
 
   template <typename Visit>
@@ -159,6 +179,7 @@ class AabbTree {
   }
 
   std::vector<Node> nodes_;
+  std::vector<int> leaf_of_;  // by triangle
   Box box_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "sinew/common/types.h"
@@ -56,6 +57,7 @@ class ContactList {
   bool hadRow(std::uint64_t key) const;
   /// Rows that found no room since `begin`.
   int dropped() const { return dropped_; }
+  double leastDroppedGap() const { return least_dropped_gap_; }  ///< m, of these rows; infinite without any
 
   int maxRows() const { return max_rows_; }
   int maxEntries() const { return max_entries_; }
@@ -67,6 +69,7 @@ class ContactList {
 
   int max_rows_, max_entries_;
   int dropped_ = 0;
+  double least_dropped_gap_ = std::numeric_limits<double>::infinity();
   std::vector<ContactRow> rows_;
   std::vector<ContactEntry> entries_;
   std::vector<std::uint64_t> previous_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "sinew/contact/contact_list.h"
@@ -50,6 +51,9 @@ struct SurfacePoint {
   Vec3 calcRestPosition(const MovingSurface& surface) const;
 };
 
+/// Sine of the bend from which an edge counts as one.
+constexpr double kLeastBend = 0.02;
+
 /// When a pair of features becomes a contact.
 struct ProximitySettings {
   double contact_distance = 1e-3;  ///< m, distance at which the gap is 0
@@ -66,9 +70,14 @@ struct ProximitySettings {
 class PairFilter {
  public:
   explicit PairFilter(const ProximitySettings& settings)
-      : alarm_(settings.alarm_distance), slope_(settings.slope), widening_(1 + settings.hysteresis) {}
+      : alarm_(settings.alarm_distance),
+        slope_(settings.slope),
+        widening_(1 + settings.hysteresis),
+        max_depth_(settings.max_depth) {}
 
   double widestAlarm() const { return alarm_ * widening_; }
+  /// No pair farther apart, outside or inside, is kept [m].
+  double reach() const { return std::max(widestAlarm(), max_depth_); }
   double widestSlope() const { return slope_ * widening_; }
   bool accepts(double distance, double slope, std::uint64_t key, const ContactList& list) const {
     if (distance <= alarm_ && slope >= -slope_) return true;
@@ -76,7 +85,7 @@ class PairFilter {
   }
 
  private:
-  double alarm_, slope_, widening_;
+  double alarm_, slope_, widening_, max_depth_;
 };
 
 }  // namespace sinew

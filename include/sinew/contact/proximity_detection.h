@@ -67,7 +67,8 @@ class ProximityDetection {
  private:
   struct Obstacle {
     ObstacleShape shape;
-    std::unique_ptr<MovingSurface> surface;  // of boxes and meshes
+    std::unique_ptr<MovingSurface> surface;  // of boxes and meshes, as is
+    std::unique_ptr<NearPairs> near;
   };
   static int countMostVertices(const std::vector<ObstacleShape>& obstacles);
 
@@ -78,6 +79,7 @@ class ProximityDetection {
   int most_vertices_;
   SmoothPairs smooth_pairs_;
   SurfacePairs surface_pairs_;
+  NearPairs own_near_;
 };
 
 }  // namespace sinew

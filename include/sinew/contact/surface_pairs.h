@@ -6,6 +6,7 @@
 #include "sinew/contact/contact_list.h"
 #include "sinew/contact/feature_pair.h"
 #include "sinew/contact/moving_surface.h"
+#include "sinew/contact/near_pairs.h"
 
 namespace sinew {
 
@@ -32,8 +33,9 @@ class SurfacePairs {
   SurfacePairs(const ProximitySettings& settings, int max_vertices, int max_other_vertices, int max_rows);
 
   /// `obstacle` is an index, and `b` rigid: it has no entries; or it is kOtherSurface, and b's are those of surface 1.
-  void addPairs(const MovingSurface& a, const MovingSurface& b, int obstacle, ContactList& list);
-  void addOwnPairs(const MovingSurface& surface, const RegionPairs& regions, ContactList& list);
+  /// `near`, of these two surfaces from cycle to cycle, saves time and changes no row; it may be null.
+  void addPairs(const MovingSurface& a, const MovingSurface& b, NearPairs* near, int obstacle, ContactList& list);
+  void addOwnPairs(const MovingSurface& surface, NearPairs* near, const RegionPairs& regions, ContactList& list);
 
  private:
   struct Pair {
@@ -48,9 +50,13 @@ class SurfacePairs {
     const double* nearest;  // of the vertex that lies behind a face
   };
 
-  void start(const MovingSurface& a, const MovingSurface& b, int obstacle, ContactList& list);
+  void start(const MovingSurface& a, const MovingSurface& b, const RegionPairs* regions, int obstacle,
+             ContactList& list);
   void finishDeep();
+  bool allows(int ta, int tb) const { return regions_ == nullptr || regions_->allows(ta, tb); }
+  void seeListed(const NearPairs& near);
   void visit(int ta, int tb);
+  void see(const FeaturePair& pair);
   void seeVertexFace(bool vertex_on_a, int vertex, int face);
   void seeVertexEdge(bool vertex_on_a, int vertex, int edge);
   void seeVertexVertex(int va, int vb);
@@ -69,6 +75,7 @@ class SurfacePairs {
   std::vector<Deep> deep_;
   const MovingSurface* a_ = nullptr;
   const MovingSurface* b_ = nullptr;
+  const RegionPairs* regions_ = nullptr;
   ContactList* list_ = nullptr;
   int obstacle_ = 0;
 };

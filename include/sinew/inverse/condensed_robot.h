@@ -69,7 +69,8 @@ class CondensedRobot {
   const VecX& displacement() const { return displacement_; }  ///< delta_a at the linearisation, per actuator [m]
   /// N, unbalanced force at the linearisation; contacts press as they were last solved.
   double residual() const { return residual_; }
-  double loadNorm() const { return load_norm_; }  ///< N, gravity, cables' and contacts', never 0
+  double roundingForce() const { return rounding_force_; }  ///< N, below which a residual says nothing
+  double loadNorm() const { return load_norm_; }            ///< N, gravity, cables' and contacts', never 0
 
   /// Moves the body for a change of the efforts and for contact forces [N]; returns the scale <= 1 that was applied to
   /// motion and change.
@@ -103,7 +104,7 @@ class CondensedRobot {
   const ContactFinder* finder_ = nullptr;  // of the contact rows
   ContactStiffness contact_stiffness_;
   StepRule rule_;
-  double negligible_load_;  // N
+  double negligible_load_, rounding_force_;  // N
   double residual_ = 0, load_norm_ = 0;
 };
 

@@ -28,6 +28,8 @@ class ContactFinder {
   /// Contacts with the mesh's nodes at `nodes` [m]; each row's obstacle is an index for `part`.
   const ContactList& find(const std::vector<Vec3>& nodes, StageTimes& times);
   const ContactList& list() const;
+  /// Whether contacts in the nearer half of the watched distance have found no room.
+  bool crowded() const;
 
   /// One rigid shape of an obstacle where it is now.
   struct Placed {

@@ -11,7 +11,8 @@ namespace sinew {
 
 enum class CycleStatus {
   kSolved,    ///< the command solves this cycle's problem within every limit
-  kDegraded,  ///< solved, but an effort limit had to give way, see the active limits, or an effector could not be held
+  kDegraded,  ///< solved, but an effort limit had to give way, see the active limits, or an effector could not be held,
+              ///< or contacts that are near found no room
   kHeld       ///< not solved: the command repeats the last valid one
 };
 
@@ -31,6 +32,7 @@ struct ActiveLimitReport {
 struct ContactReport {
   int count = 0;
   VecX force, gap;               ///< N, m, at the solution of the linear problem; the leading `count` entries
+  bool crowded = false;          ///< contacts in the nearer half of what is watched found no room
   bool proved_global = false;    ///< no better choice of pressing contacts exists
   bool declined_better = false;  ///< a better but far choice was left
   bool out_of_time = false;      ///< the search ended for its time, not for its counts

@@ -40,6 +40,10 @@ AabbTree::AabbTree(const std::vector<Triangle>& triangles, const std::vector<Vec
   std::iota(order.begin(), order.end(), 0);
   nodes_.reserve(2 * triangles.size());
   build(triangles, corners, order.data(), order.data() + order.size());
+  leaf_of_.resize(triangles.size());
+  for (int at = 0; at < static_cast<int>(nodes_.size()); ++at) {
+    if (isLeaf(at)) leaf_of_[nodes_[at].triangle] = at;
+  }
   refit(triangles, corners);
 }
 
@@ -77,6 +81,14 @@ void AabbTree::refit(const std::vector<Triangle>& triangles, const std::vector<V
     }
     node.size = (node.box.upper - node.box.lower).sum();
   }
+}
+
+std::vector<int> AabbTree::makeOrder() const {
+  std::vector<int> order;
+  for (const Node& node : nodes_) {
+    if (node.right < 0) order.push_back(node.triangle);
+  }
+  return order;
 }
 
 void AabbTree::refitNormals(const std::vector<Box>& normals) {

@@ -17,6 +17,11 @@ bool coincide(const ContactRow& a, const ContactRow& b) {
          a.normal.dot(b.normal) > 1 - kSameNormal;
 }
 
+/// Of two gaps alike that of the greater key, so that what is kept does not depend on the order in which rows come.
+bool isWider(const ContactRow& a, const ContactRow& b) {
+  return a.gap > b.gap || (a.gap == b.gap && a.key > b.key);
+}
+
 }  // namespace
 
 ContactList::ContactList(int max_rows, int max_entries) : max_rows_(max_rows), max_entries_(max_entries) {
@@ -36,6 +41,7 @@ void ContactList::begin() {
   rows_.clear();
   entries_.clear();
   dropped_ = 0;
+  least_dropped_gap_ = std::numeric_limits<double>::infinity();
 }
 
 bool ContactList::hadRow(std::uint64_t key) const {
@@ -46,7 +52,9 @@ void ContactList::add(const ContactRow& row, const ContactEntry* entries, int co
   while (size() == max_rows_ || entryCount() + count > max_entries_) {
     ++dropped_;
     const int widest = findWidest();
-    if (widest < 0 || rows_[widest].gap <= row.gap) return;
+    const bool gives_way = widest >= 0 && isWider(rows_[widest], row);
+    least_dropped_gap_ = std::min(least_dropped_gap_, gives_way ? rows_[widest].gap : row.gap);
+    if (!gives_way) return;
     remove(widest);
   }
   rows_.push_back(row);
@@ -56,9 +64,8 @@ void ContactList::add(const ContactRow& row, const ContactEntry* entries, int co
 }
 
 int ContactList::findWidest() const {
-  const auto widest = std::max_element(rows_.begin(), rows_.end(), [](const ContactRow& a, const ContactRow& b) {
-    return a.gap < b.gap || (a.gap == b.gap && a.key < b.key);
-  });
+  const auto widest = std::max_element(rows_.begin(), rows_.end(),
+                                       [](const ContactRow& a, const ContactRow& b) { return isWider(b, a); });
   return widest == rows_.end() ? -1 : static_cast<int>(widest - rows_.begin());
 }
 

@@ -26,8 +26,14 @@ ProximityDetection::ProximityDetection(const ProximitySettings& settings, const 
       surface_(topology, rest),
       most_vertices_(countMostVertices(obstacles)),
       smooth_pairs_(settings, topology),
-      surface_pairs_(settings, topology.vertices(), most_vertices_, max_rows) {
-  for (const ObstacleShape& shape : obstacles) obstacles_.push_back({shape, makeSurface(shape)});
+      surface_pairs_(settings, topology.vertices(), most_vertices_, max_rows),
+      own_near_(settings, surface_, surface_) {
+  for (const ObstacleShape& shape : obstacles) {
+    obstacles_.push_back({shape, makeSurface(shape), nullptr});
+    Obstacle& obstacle = obstacles_.back();
+    if (obstacle.surface == nullptr) continue;
+    obstacle.near = std::make_unique<NearPairs>(settings, surface_, *obstacle.surface);
+  }
 }
 
 int ProximityDetection::countMostVertices(const std::vector<ObstacleShape>& obstacles) {
@@ -50,16 +56,16 @@ void ProximityDetection::addObstacle(int index, const Pose& pose, ContactList& l
     return;
   }
   obstacle.surface->updateRigid(pose);
-  surface_pairs_.addPairs(surface_, *obstacle.surface, index, list);
+  surface_pairs_.addPairs(surface_, *obstacle.surface, obstacle.near.get(), index, list);
 }
 
 void ProximityDetection::addSelf(const RegionPairs& regions, ContactList& list) {
-  surface_pairs_.addOwnPairs(surface_, regions, list);
+  surface_pairs_.addOwnPairs(surface_, &own_near_, regions, list);
 }
 
 bool ProximityDetection::addOther(const MovingSurface& other, ContactList& list) {
   if (other.topology().vertices() > most_vertices_) return false;
-  surface_pairs_.addPairs(surface_, other, kOtherSurface, list);
+  surface_pairs_.addPairs(surface_, other, nullptr, kOtherSurface, list);
   return true;
 }
 

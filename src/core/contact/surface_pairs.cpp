@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kTie = 1e-6;       // slope, or part of an edge, that counts as level
 constexpr double kTouching = 1e-7;  // m below which two points have no direction
-constexpr double kSharp = 0.02;     // sine of the bend from which an edge counts as one
 constexpr double kFar = 1e300;
 constexpr double kMaterialReach =
     4;  // times max_depth: what was behind at rest and as near is the other side of a wall
@@ -46,23 +45,42 @@ SurfacePairs::SurfacePairs(const ProximitySettings& settings, int max_vertices, 
   deep_.reserve(max_rows);
 }
 
-void SurfacePairs::addPairs(const MovingSurface& a, const MovingSurface& b, int obstacle, ContactList& list) {
-  start(a, b, obstacle, list);
-  a.tree().forEachPair(b.tree(), filter_.widestAlarm(), [this](int ta, int tb) { visit(ta, tb); });
+void SurfacePairs::addPairs(const MovingSurface& a, const MovingSurface& b, NearPairs* near, int obstacle,
+                            ContactList& list) {
+  start(a, b, nullptr, obstacle, list);
+  if (near != nullptr && near->update(a, b)) {
+    seeListed(*near);
+  } else {
+    a.tree().forEachPair(b.tree(), filter_.reach(), [this](int ta, int tb) { visit(ta, tb); });
+  }
   finishDeep();
 }
 
-void SurfacePairs::addOwnPairs(const MovingSurface& surface, const RegionPairs& regions, ContactList& list) {
-  start(surface, surface, kSelfContact, list);
-  surface.tree().forEachOwnPair(filter_.widestAlarm(), [&](int ta, int tb) {
-    if (regions.allows(ta, tb)) visit(ta, tb);
-  });
+void SurfacePairs::addOwnPairs(const MovingSurface& surface, NearPairs* near, const RegionPairs& regions,
+                               ContactList& list) {
+  start(surface, surface, &regions, kSelfContact, list);
+  if (near != nullptr && near->update(surface, surface)) {
+    seeListed(*near);
+  } else {
+    surface.tree().forEachOwnPair(filter_.reach(), [this](int ta, int tb) { visit(ta, tb); });
+  }
   finishDeep();
 }
 
-void SurfacePairs::start(const MovingSurface& a, const MovingSurface& b, int obstacle, ContactList& list) {
+void SurfacePairs::seeListed(const NearPairs& near) {
+  for (const FeaturePair& pair : near.pairs()) {
+    if (allows(pair.triangle_a, pair.triangle_b)) see(pair);
+  }
+  for (const NearPairs::TrianglePair& pair : near.trianglePairs()) {
+    if (a_->tree().comesNear(pair.a, b_->tree(), pair.b, filter_.reach())) visit(pair.a, pair.b);
+  }
+}
+
+void SurfacePairs::start(const MovingSurface& a, const MovingSurface& b, const RegionPairs* regions, int obstacle,
+                         ContactList& list) {
   a_ = &a;
   b_ = &b;
+  regions_ = regions;
   list_ = &list;
   obstacle_ = obstacle;
   std::fill(nearest_a_.begin(), nearest_a_.end(), kFar);
@@ -71,19 +89,24 @@ void SurfacePairs::start(const MovingSurface& a, const MovingSurface& b, int obs
 }
 
 void SurfacePairs::visit(int ta, int tb) {
-  const CollisionSurface& a = a_->topology();
-  const CollisionSurface& b = b_->topology();
-  for (const int va : a.ownedVertices(ta)) {
-    seeVertexFace(true, va, tb);
-    for (const int eb : b.ownedEdges(tb)) seeVertexEdge(true, va, eb);
-    for (const int vb : b.ownedVertices(tb)) seeVertexVertex(va, vb);
-  }
-  for (const int vb : b.ownedVertices(tb)) {
-    seeVertexFace(false, vb, ta);
-    for (const int ea : a.ownedEdges(ta)) seeVertexEdge(false, vb, ea);
-  }
-  for (const int ea : a.ownedEdges(ta)) {
-    for (const int eb : b.ownedEdges(tb)) seeEdgeEdge(ea, eb);
+  if (!allows(ta, tb)) return;
+  forEachFeaturePair(a_->topology(), ta, b_->topology(), tb, [this](const FeaturePair& pair) { see(pair); });
+}
+
+inline void SurfacePairs::see(const FeaturePair& pair) {
+  switch (pair.kind) {
+    case PairKind::kVertexFace:
+      return seeVertexFace(true, pair.a, pair.b);
+    case PairKind::kFaceVertex:
+      return seeVertexFace(false, pair.b, pair.a);
+    case PairKind::kVertexEdge:
+      return seeVertexEdge(true, pair.a, pair.b);
+    case PairKind::kEdgeVertex:
+      return seeVertexEdge(false, pair.b, pair.a);
+    case PairKind::kVertexVertex:
+      return seeVertexVertex(pair.a, pair.b);
+    default:
+      return seeEdgeEdge(pair.a, pair.b);
   }
 }
 
@@ -164,7 +187,7 @@ void SurfacePairs::seeVertexVertex(int va, int vb) {
 void SurfacePairs::seeEdgeEdge(int ea, int eb) {
   if (isSelf() && ea > eb) std::swap(ea, eb);
   if (!facesOwn(a_->edgeNormal(ea), b_->edgeNormal(eb))) return;
-  if (a_->bend(ea) < kSharp && b_->bend(eb) < kSharp) return;
+  if (a_->bend(ea) < kLeastBend && b_->bend(eb) < kLeastBend) return;
   const auto& ends_a = a_->topology().edges()[ea].vertices;
   const auto& ends_b = b_->topology().edges()[eb].vertices;
   const LineMeeting meeting = calcLineMeeting(a_->position(ends_a[0]), a_->position(ends_a[1]), b_->position(ends_b[0]),

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
@@ -19,6 +20,20 @@ double calcNegligibleLoad(const FemModel& fem) {
   Eigen::AlignedBox3d box;
   for (const Vec3& node : fem.rest()) box.extend(node);
   return kNegligibleStrain * modulus * box.diagonal().squaredNorm();
+}
+
+/// N: unbalanced force of nodes that are off by the rounding of their coordinates.
+double calcRoundingForce(const FemModel& fem) {
+  VecX stiffness = VecX::Zero(fem.nodeCount());  // N/m
+  for (const FemModel::Element& element : fem.elements()) {
+    const double modulus = element.lame.lambda + 2 * element.lame.mu;
+    for (int a = 0; a < 4; ++a) {
+      stiffness[element.nodes[a]] += modulus * element.shape.volume * element.shape.gradients.col(a).squaredNorm();
+    }
+  }
+  double squared = 0;
+  for (const int node : fem.freeNodes()) squared += std::pow(stiffness[node] * fem.rest()[node].norm(), 2);
+  return std::numeric_limits<double>::epsilon() * std::sqrt(squared);
 }
 
 int countRows(const RobotModel& robot) {
@@ -54,7 +69,8 @@ CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
       half_motion_(robot_->fem().size()),
       motion_(VecX::Zero(robot_->fem().size())),
       contact_stiffness_(robot_->maxContacts()),
-      negligible_load_(calcNegligibleLoad(robot_->fem())) {}
+      negligible_load_(calcNegligibleLoad(robot_->fem())),
+      rounding_force_(calcRoundingForce(robot_->fem())) {}
 
 StepRule CondensedRobot::makeRule(double period) const {
   const RobotDescription& description = robot_->description();

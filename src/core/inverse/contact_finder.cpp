@@ -180,6 +180,11 @@ double ContactFinder::calcGapShift(int row) const {
   return -contact.normal.dot(contact.other_point - there);
 }
 
+bool ContactFinder::crowded() const {
+  const ContactDescription& contacts = impl_->robot.description().contacts;
+  return impl_->found.leastDroppedGap() < 0.5 * (contacts.alarm_distance - contacts.contact_distance);
+}
+
 const ContactList& ContactFinder::list() const {
   return impl_->list;
 }

@@ -1,5 +1,6 @@
 #include "sinew/inverse/forward_step.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sinew {
@@ -90,7 +91,7 @@ ForwardStatus ForwardStep::stepAgain(const Actuation& actuation, ContactFinder* 
 
 bool ForwardStep::settled(const Actuation& actuation, double tolerance, const CondensedRobot& robot,
                           const VecX& effort) const {
-  if (!(robot.residual() <= tolerance * robot.loadNorm())) return false;
+  if (!(robot.residual() <= std::max(tolerance * robot.loadNorm(), robot.roundingForce()))) return false;
   const double slack = tolerance * effort.cwiseAbs().maxCoeff();
   for (int i = 0; i < robot.actuators(); ++i) {
     const double excess = robot.displacement()[i] - actuation.value[i];

@@ -259,7 +259,8 @@ struct InverseController::Impl {
       }
       ++output.newton_steps;
       output.holds = plan.holds();
-      gave_way = plan.effortViolation().maxCoeff() > kOnLimit || !output.holds;
+      output.contacts.crowded = finder.crowded();
+      gave_way = plan.effortViolation().maxCoeff() > kOnLimit || !output.holds || output.contacts.crowded;
     }
     // Rounding must not carry a command past a hard limit.
     command = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
@@ -344,6 +345,7 @@ CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output
   output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
   output.goal_scale = 1;
   output.holds = true;
+  output.contacts.crowded = false;
   const StageTimer timer(output.times.cycle);
   if (!impl_->validInput(input)) {
     output.status = CycleStatus::kHeld;
@@ -366,6 +368,7 @@ CycleStatus InverseController::follow(const VecX& displacement, double period, C
   output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
   output.goal_scale = 1;
   output.holds = true;
+  output.contacts.crowded = false;
   const StageTimer timer(output.times.cycle);
   CycleInput free = makeInput();
   free.period = period;

@@ -1,5 +1,6 @@
 #include "sinew/inverse/obstacle.h"
 
+#include "sinew/common/config_error.h"
 #include "sinew/mesh/stl_reader.h"
 
 namespace sinew {
@@ -9,7 +10,11 @@ ObstacleShape makeMeshShape(const ObstacleGeometry& geometry) {
   const StlMesh stl = readStl(geometry.mesh_file);
   TriangleMesh mesh{stl.vertices, stl.triangles};
   for (Vec3& vertex : mesh.vertices) vertex = vertex.cwiseProduct(geometry.scale);
-  return ObstacleShape::makeMesh(mesh);
+  try {
+    return ObstacleShape::makeMesh(mesh);
+  } catch (const ConfigError& error) {
+    throw ConfigError(geometry.mesh_file + ": " + error.what());
+  }
 }
 
 ObstacleShape makeShape(const ObstacleGeometry& geometry) {

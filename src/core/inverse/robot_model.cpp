@@ -9,6 +9,7 @@
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
 #include "sinew/fem/fem_model.h"
+#include "sinew/inverse/contact_warnings.h"
 #include "sinew/mesh/embedding.h"
 #include "sinew/mesh/quality.h"
 #include "sinew/mesh/read_mesh.h"
@@ -18,6 +19,7 @@ namespace {
 
 constexpr double kLockingPoissonRatio = 0.45;  // linear tetrahedra bend far too stiffly above
 constexpr double kInside = 1e-6;               // m from the mesh that count as inside
+constexpr double kCarried = 1e-6;              // share of a point below which a node does not carry it
 constexpr double kFarOutside = 0.2;            // of the mesh's size, beyond which a point is a mistake
 
 template <typename... Parts>
@@ -148,8 +150,8 @@ void warnOfMaterials(const RobotDescription& robot, std::vector<std::string>& wa
 void requireMovable(const RobotDescription& robot, const FemModel& fem, const std::string& key,
                     const std::vector<EmbeddedPoint>& points) {
   for (const EmbeddedPoint& point : points) {
-    for (int node : point.nodes) {
-      if (fem.freeIndex(node) >= 0) return;
+    for (int i = 0; i < 4; ++i) {
+      if (fem.freeIndex(point.nodes[i]) >= 0 && std::abs(point.weights[i]) > kCarried) return;
     }
   }
   throw ConfigError(robot.file + ": " + key, "only fixed nodes around it", "a point that can move");
@@ -204,6 +206,7 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
     effectors_.emplace_back(description.effectors[e], point);
   }
   for (const ObstacleDescription& obstacle : description.obstacles) obstacles_.push_back(makeObstacle(obstacle));
+  for (const std::string& warning : findContactWarnings(*this)) warnings_.push_back(warning);
 }
 
 RobotModel::~RobotModel() = default;

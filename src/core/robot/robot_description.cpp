@@ -275,7 +275,7 @@ ContactDescription readContacts(const YamlReader& yaml) {
   contacts.method =
       map.choiceOr("method", {"proximity", "volume"}, 0) == 0 ? DetectionMethod::kProximity : DetectionMethod::kVolume;
   contacts.alarm_distance = map.positiveOr("alarm_distance", contacts.alarm_distance);
-  contacts.contact_distance = map.numberOr("contact_distance", contacts.contact_distance, 0);
+  contacts.contact_distance = map.positiveOr("contact_distance", contacts.contact_distance);
   if (contacts.contact_distance >= contacts.alarm_distance) {
     map.fail("contact_distance", "a distance below alarm_distance");
   }
