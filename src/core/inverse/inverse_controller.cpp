@@ -28,6 +28,17 @@ HoldReason reasonOf(ForwardStatus status) {
   }
 }
 
+// What the parts of a cycle add to or may not come to.
+void clearReport(CycleOutput& output) {
+  output.times = StageTimes();
+  output.qp_iterations = output.newton_steps = 0;
+  output.contacts.pieces = output.contacts.nodes = 0;
+  output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
+  output.contacts.crowded = false;
+  output.goal_scale = 1;
+  output.holds = true;
+}
+
 ContactFinder* activeOrNull(ContactFinder& finder) {
   return finder.active() ? &finder : nullptr;
 }
@@ -339,13 +350,7 @@ void InverseController::prepare(CycleOutput& output) {
 }
 
 CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output) {
-  output.times = StageTimes();
-  output.qp_iterations = output.newton_steps = 0;
-  output.contacts.pieces = output.contacts.nodes = 0;
-  output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
-  output.goal_scale = 1;
-  output.holds = true;
-  output.contacts.crowded = false;
+  clearReport(output);
   const StageTimer timer(output.times.cycle);
   if (!impl_->validInput(input)) {
     output.status = CycleStatus::kHeld;
@@ -362,13 +367,7 @@ CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output
 }
 
 CycleStatus InverseController::follow(const VecX& displacement, double period, CycleOutput& output) {
-  output.times = StageTimes();
-  output.qp_iterations = output.newton_steps = 0;
-  output.contacts.pieces = output.contacts.nodes = 0;
-  output.contacts.proved_global = output.contacts.declined_better = output.contacts.out_of_time = false;
-  output.goal_scale = 1;
-  output.holds = true;
-  output.contacts.crowded = false;
+  clearReport(output);
   const StageTimer timer(output.times.cycle);
   CycleInput free = makeInput();
   free.period = period;
