@@ -16,8 +16,7 @@
 //     }
 //     watch.check("gripper", 0.0002);
 //
-// states signorini.gripper_gap, _force, _product, penetration.gripper and gripper.held_cycles. Depths are measured in
-// one cycle out of `depth_every`, as they may cost more than the cycle itself.
+// states signorini.gripper_gap, _force, _product, penetration.gripper and gripper.held_cycles.
 
 #include <algorithm>
 #include <memory>
@@ -197,8 +196,8 @@ class SelfDepth {
 /// Looks on while a controller runs; see the head of this file.
 class ContactWatch {
  public:
-  explicit ContactWatch(const InverseController& controller, int depth_every = 5)
-      : controller_(controller), robot_(controller.robot()), self_depth_(robot_), depth_every_(depth_every) {}
+  explicit ContactWatch(const InverseController& controller)
+      : controller_(controller), robot_(controller.robot()), self_depth_(robot_) {}
 
   /// After each `step`, with what it read and gave.
   void add(const CycleInput& input, const CycleOutput& output) {
@@ -212,7 +211,8 @@ class ContactWatch {
       double& largest = own ? self_force_ : obstacle_force_;
       largest = std::max(largest, contacts.force[i]);
     }
-    if (cycles_++ % depth_every_ == 0) measureDepth(input);
+    ++cycles_;
+    measureDepth(input);
   }
 
   /// States signorini.`scene`_..., penetration.`scene` and `scene`.held_cycles; the depth [m] is that in obstacles and,
@@ -241,7 +241,6 @@ class ContactWatch {
   const InverseController& controller_;
   const RobotModel& robot_;
   SelfDepth self_depth_;
-  int depth_every_;
   SignoriniBreach breach_;
   int cycles_ = 0, held_ = 0, unproved_ = 0, most_contacts_ = 0;
   double depth_ = 0, obstacle_force_ = 0, self_force_ = 0;

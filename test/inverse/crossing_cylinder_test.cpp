@@ -27,7 +27,7 @@ class CrossingCylinder : public testing::TestWithParam<Crossing> {
   InverseController controller{robot};
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
-  ContactWatch watch{controller, 2};
+  ContactWatch watch{controller};
 
   CrossingCylinder() {
     controller.resynchronise(VecX::Zero(robot->actuatorCount()));

@@ -26,7 +26,7 @@ struct Passage {
   InverseController controller{robot};
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
-  ContactWatch watch{controller, 1};
+  ContactWatch watch{controller};
   Pose waiting = robot->obstacles()[0].pose;
 
   explicit Passage(std::shared_ptr<const RobotModel> model) : robot(std::move(model)) {
@@ -128,7 +128,7 @@ TEST(PenetrationOfItself, TheTrunkCurlsUp) {
   InverseController controller(robot);
   CycleInput input = controller.makeInput();
   CycleOutput output = controller.makeOutput();
-  ContactWatch watch(controller, 10);
+  ContactWatch watch(controller);
   input.targeted[0] = true;
   for (int k = 1; k <= 250; ++k) {
     const double angle = kCurl * std::min(1.0, k / 200.0);
