@@ -73,9 +73,10 @@ NearPairs::NearPairs(const ProximitySettings& settings, const MovingSurface& a, 
       is_self_(&a == &b),
       snapshot_a_(a),
       snapshot_b_(b),
-      room_for_motion_(static_cast<std::size_t>(snapshot_a_.parts() * snapshot_b_.parts())),
+      room_for_motion_(static_cast<std::size_t>(snapshot_a_.parts()) * static_cast<std::size_t>(snapshot_b_.parts())),
       age_(kSteady) {
-  const auto vertices = static_cast<std::size_t>(a.topology().vertices() + b.topology().vertices());
+  const auto vertices =
+      static_cast<std::size_t>(a.topology().vertices()) + static_cast<std::size_t>(b.topology().vertices());
   triangle_pairs_.reserve(kPairsPerVertex * vertices);
   next_triangle_pairs_.reserve(kPairsPerVertex * vertices);
   pairs_.reserve(kPairsPerVertex * vertices);

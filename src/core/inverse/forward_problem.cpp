@@ -18,8 +18,9 @@ ForwardProblem::ForwardProblem(const VecX& effort_min, int max_contacts)
       qp_problem_(actuators_ + max_contacts, 0),
       qp_solution_(actuators_ + max_contacts, 0),
       qp_(actuators_ + max_contacts, 0) {
-  unknowns_.reserve(static_cast<std::size_t>(actuators_ + max_contacts));
-  rows_.reserve(static_cast<std::size_t>(actuators_ + max_contacts));
+  const auto most = static_cast<std::size_t>(actuators_) + static_cast<std::size_t>(max_contacts);
+  unknowns_.reserve(most);
+  rows_.reserve(most);
 }
 
 // Everything that is no unknown goes to where it is given, and every unknown to the least it can be.
