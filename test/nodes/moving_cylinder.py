@@ -14,7 +14,7 @@ from sinew.msg import ActiveLimit, ContactArray, ControllerState, EffectorTarget
 
 FRAME = "trunk_base"
 STROKES = 3
-NEARER = 0.008  # m
+NEARER = 0.02  # m
 CONTACT_DISTANCE = 0.001  # m, of the robot's description
 PATIENCE = 90.0  # s
 
