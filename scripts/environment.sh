@@ -11,6 +11,7 @@ export ROS_HOSTNAME=${ROS_HOSTNAME:-localhost}
 export ROSCONSOLE_STDOUT_LINE_BUFFERED=1 PYTHONUNBUFFERED=1
 # One thread for the dense kernels: the matrices of a robot are too small for more.
 export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+cores=$(env -u OMP_NUM_THREADS nproc)  # which would take that variable for the number of cores
 [ -f /opt/ros/noetic/setup.bash ] && . /opt/ros/noetic/setup.bash
 
 say() { printf '\n== %s\n' "$*"; }
@@ -25,7 +26,7 @@ print_help() { awk 'NR > 1 && /^#/ { sub(/^# ?/, ""); print; next } NR > 1 { exi
 
 # Compiler processes at once: one a core, and 1.5 GB of memory for each.
 count_jobs() {
-  awk -v cores="$(nproc)" '/^MemAvailable/ { jobs = int($2 / 1.5e6) } END {
+  awk -v cores="$cores" '/^MemAvailable/ { jobs = int($2 / 1.5e6) } END {
     if (jobs > cores) jobs = cores
     print jobs < 1 ? 1 : jobs }' /proc/meminfo
 }
