@@ -59,9 +59,6 @@ class ContactList {
   int dropped() const { return dropped_; }
   double leastDroppedGap() const { return least_dropped_gap_; }  ///< m, of these rows; infinite without any
 
-  int maxRows() const { return max_rows_; }
-  int maxEntries() const { return max_entries_; }
-
  private:
   int findWidest() const;
   void remove(int row);

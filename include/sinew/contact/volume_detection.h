@@ -32,7 +32,6 @@ struct VolumeRegion {
   double area = 0;               ///< m2, the overlap
   Vec3 centre = Vec3::Zero();    ///< m
   Vec3 extent = Vec3::Zero();    ///< m, half sizes
-  double calcThickness() const { return volume / area; }
 };
 
 /// Contacts by intersection volume, from layered depths (after Allard, Faure, Courtecuisse, Falipou, Duriez and Kry,

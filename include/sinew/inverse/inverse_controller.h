@@ -35,7 +35,8 @@ class InverseController {
   /// or infinity when no equilibrium is found. Not for the cycle path.
   double resynchronise(const VecX& measured);
 
-  /// Advances the model with the displacements [m] held: what a disabled controller does every cycle.
+  /// Advances the model with the displacements [m] held, as `step` does where nothing is targeted. Not for the cycle
+  /// path: it takes memory.
   CycleStatus follow(const VecX& displacement, double period, CycleOutput& output);
 
   /// Back to rest: no displacement, no effort.

@@ -41,8 +41,7 @@ class ComplementarityGaussSeidel {
   ComplementarityStatus solve(const ComplementarityProblem& problem, Eigen::Ref<VecX> x);
 
   auto value() const { return value_.head(size_); }    ///< A x + b at the answer
-  int sweeps() const { return sweeps_; }               ///< of the last problem
-  int directSolves() const { return direct_solves_; }  ///< likewise
+  int directSolves() const { return direct_solves_; }  ///< of the last problem
 
  private:
   void start(const ComplementarityProblem& problem, const Eigen::Ref<const VecX>& x);
@@ -66,7 +65,7 @@ class ComplementarityGaussSeidel {
   int findWorst() const;
 
   const ComplementarityProblem* problem_ = nullptr;
-  int size_ = 0, active_count_ = 0, sweeps_ = 0, direct_solves_ = 0;
+  int size_ = 0, active_count_ = 0, direct_solves_ = 0;
   bool has_block_ = false;
   VecX x_, value_, swept_, lifted_, step_;
   MatX block_factor_, active_factor_;  // Cholesky factors, lower triangles

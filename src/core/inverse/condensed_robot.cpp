@@ -97,7 +97,7 @@ void CondensedRobot::beginStep() {
 void CondensedRobot::endStep(const StepRule& rule) {
   body_.endStep(rule);
   carrier_.endStep(rule.dynamic ? carrier_.calcSpeed(rule.period) : 0);
-  body_.setFrameAcceleration(Vec3::Zero());
+  if (robot_->hasCarrier()) body_.setFrameAcceleration(Vec3::Zero());
 }
 
 void CondensedRobot::abandonStep() {

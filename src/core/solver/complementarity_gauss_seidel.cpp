@@ -70,7 +70,7 @@ ComplementarityStatus ComplementarityGaussSeidel::solve(const ComplementarityPro
 void ComplementarityGaussSeidel::start(const ComplementarityProblem& problem, const Eigen::Ref<const VecX>& x) {
   problem_ = &problem;
   size_ = problem.size;
-  sweeps_ = direct_solves_ = 0;
+  direct_solves_ = 0;
   for (int i = 0; i < size_; ++i) x_[i] = problem.equality[i] ? x[i] : std::max(0.0, x[i]);
   updateValue();
   const int n = problem.block;
@@ -84,7 +84,6 @@ void ComplementarityGaussSeidel::start(const ComplementarityProblem& problem, co
 void ComplementarityGaussSeidel::sweep() {
   const bool together = has_block_ && moveBlock();
   for (int i = together ? problem_->block : 0; i < size_; ++i) moveRow(i);
-  ++sweeps_;
 }
 
 bool ComplementarityGaussSeidel::moveBlock() {
