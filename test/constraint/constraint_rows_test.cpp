@@ -55,18 +55,6 @@ TEST_F(ConstraintRowsTest, MultiplyFromEitherSideAsTheDenseMatrix) {
   }
 }
 
-TEST_F(ConstraintRowsTest, ScatterToTheirPlaces) {
-  std::vector<int> place(static_cast<std::size_t>(bar.fem.size()));
-  std::iota(place.begin(), place.end(), 0);
-  std::shuffle(place.begin(), place.end(), random);
-  for (int row = 0; row < kRows; ++row) {
-    VecX column = VecX::Zero(bar.fem.size());
-    rows.scatter(
-        row, [&](int i) { return place[i]; }, column.data());
-    for (int i = 0; i < bar.fem.size(); ++i) EXPECT_NEAR(column[place[i]], dense(row, i), 1e-14);
-  }
-}
-
 TEST_F(ConstraintRowsTest, ClearForgetsEveryRow) {
   rows.clear();
   EXPECT_EQ(rows.rows(), 0);

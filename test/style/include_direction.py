@@ -18,7 +18,7 @@ DIRECTLY_BELOW = {
     "hardware": ("robot",),
 }
 ROS = re.compile(r"(ros|rosbag|rosgraph_msgs|tf2?|tf2_ros|tf2_eigen|\w+_msgs|std_srvs|diagnostic_updater|interactive_markers|sinew)/\w+\.h$")
-CHOLMOD_USER = "src/core/linalg/sparse_cholesky.cpp"
+CHOLMOD_USER = "src/core/linalg/cholmod_cholesky.cpp"
 
 
 def below(folder):

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sinew/fem/fem_model.h"
@@ -24,7 +25,9 @@ struct StepRule {
 /// `load()` and their load stiffness to `matrix()` between `linearise` and `factorise`.
 class FemBody {
  public:
-  FemBody(const FemModel& model, const Vec3& gravity);
+  /// `max_rows`: of the rows that its compliance will be asked for.
+  FemBody(const FemModel& model, const Vec3& gravity, int max_rows = 0,
+          CholeskyMethod method = CholeskyMethod::kSupernodal, int threads = 1);
 
   const FemModel& model() const { return *model_; }
   const std::vector<Vec3>& positions() const { return positions_; }
@@ -42,8 +45,8 @@ class FemBody {
   BlockMatrix& matrix() { return data_.tangent; }  ///< A
   /// Elastic and gravity forces of the linearisation point, without inertia: with the actuators' it is the imbalance.
   VecX& imbalance() { return imbalance_; }
-  bool factorise() { return cholesky_.factorise(data_.tangent); }
-  SparseCholesky& cholesky() { return cholesky_; }
+  bool factorise() { return cholesky_->factorise(data_.tangent); }
+  SparseCholesky& cholesky() { return *cholesky_; }
 
   /// Moves the free nodes by `scale` dx, where `scale` <= 1 keeps every node's way below `max_node_step`; returns it.
   double advance(const VecX& motion, double max_node_step);
@@ -59,7 +62,7 @@ class FemBody {
  private:
   const FemModel* model_;
   FemData data_;
-  SparseCholesky cholesky_;
+  std::unique_ptr<SparseCholesky> cholesky_;
   std::vector<Vec3> positions_;
   std::vector<Vec3> start_;
   VecX velocity_;

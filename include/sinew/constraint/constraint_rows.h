@@ -4,6 +4,7 @@
 
 #include "sinew/common/types.h"
 #include "sinew/fem/fem_model.h"
+#include "sinew/linalg/block_rows.h"
 #include "sinew/mesh/embedding.h"
 
 namespace sinew {
@@ -19,30 +20,17 @@ class ConstraintRows {
   void add(int mesh_node, const Vec3& derivative);
   void add(const EmbeddedPoint& point, const Vec3& derivative);
 
-  int rows() const { return static_cast<int>(start_.size()); }
+  int rows() const { return blocks_.rows(); }
+  const BlockRows& blocks() const { return blocks_; }
   double dot(int row, const VecX& x) const;                       ///< (H x)_row
   void addTransposed(int row, double factor, VecX& force) const;  ///< force += factor H_row^T
   /// d(row) / d(translation of the whole body), fixed nodes included.
   const Vec3& translation(int row) const { return translation_[row]; }
-  /// Writes H_row^T into `column` of length model.size(), each degree of freedom i at place[i].
-  template <typename Place>
-  void scatter(int row, const Place& place, double* column) const {
-    for (int k = start_[row]; k < end(row); ++k) {
-      for (int c = 0; c < 3; ++c) column[place(3 * entries_[k].node + c)] += entries_[k].derivative[c];
-    }
-  }
 
  private:
-  struct Entry {
-    int node;  // free index
-    Vec3 derivative;
-  };
-  int end(int row) const { return row + 1 < rows() ? start_[row + 1] : static_cast<int>(entries_.size()); }
-
   const FemModel* model_;
-  std::vector<int> start_;
+  BlockRows blocks_;
   std::vector<Vec3> translation_;
-  std::vector<Entry> entries_;
 };
 
 /// Present position of an embedded point [m].

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "sinew/common/aligned_vector.h"
 #include "sinew/common/types.h"
 
 namespace sinew {
@@ -19,6 +20,9 @@ class BlockPattern {
  public:
   /// Every pair of nodes within a clique is coupled; negative entries (fixed nodes) are passed over.
   BlockPattern(int blocks, const std::vector<std::vector<int>>& cliques);
+
+  /// The same matrix with block order[k] as its k-th, in compressed columns.
+  BlockPattern renumbered(const std::vector<int>& order) const;
 
   int blocks() const { return static_cast<int>(column_start_.size()) - 1; }
   int size() const { return 3 * blocks(); }
@@ -39,8 +43,8 @@ class BlockMatrix {
   explicit BlockMatrix(const BlockPattern& pattern);
 
   const BlockPattern& pattern() const { return *pattern_; }
-  std::vector<double>& values() { return values_; }
-  const std::vector<double>& values() const { return values_; }
+  AlignedVector<double>& values() { return values_; }
+  const AlignedVector<double>& values() const { return values_; }
   void setZero();
   void scale(double factor);
   /// Diagonal blocks also take their upper triangle.
@@ -56,7 +60,7 @@ class BlockMatrix {
 
  private:
   const BlockPattern* pattern_;
-  std::vector<double> values_;
+  AlignedVector<double> values_;
 };
 
 }  // namespace sinew

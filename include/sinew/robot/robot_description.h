@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/common/cholesky_method.h"
 #include "sinew/common/types.h"
 #include "sinew/robot/obstacle_description.h"
 #include "sinew/robot/region_description.h"
@@ -71,6 +72,8 @@ enum class MotionModel { kStatic, kDynamic };
 /// Settings of the inverse controller.
 struct ControlDescription {
   MotionModel model = MotionModel::kStatic;
+  CholeskyMethod cholesky = CholeskyMethod::kSupernodal;
+  int threads = 1;                ///< that factorise and condense, the cycle's own among them
   int newton_steps = 1;           ///< at most this many linearisations in a cycle
   double max_node_step = 0.01;    ///< m a node may move in one linearisation
   double reach_per_cycle = 0.02;  ///< m of weighted effector error chased in one cycle

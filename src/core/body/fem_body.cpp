@@ -5,10 +5,10 @@
 
 namespace sinew {
 
-FemBody::FemBody(const FemModel& model, const Vec3& gravity)
+FemBody::FemBody(const FemModel& model, const Vec3& gravity, int max_rows, CholeskyMethod method, int threads)
     : model_(&model),
       data_(model),
-      cholesky_(model.pattern()),
+      cholesky_(makeSparseCholesky(method, model.factor(), max_rows, threads)),
       positions_(model.rest()),
       start_(model.rest()),
       velocity_(VecX::Zero(model.size())),

@@ -2,27 +2,25 @@
 
 namespace sinew {
 
-ConstraintRows::ConstraintRows(const FemModel& model, int max_rows, int max_entries) : model_(&model) {
-  start_.reserve(static_cast<std::size_t>(max_rows));
+ConstraintRows::ConstraintRows(const FemModel& model, int max_rows, int max_entries)
+    : model_(&model), blocks_(max_rows, max_entries) {
   translation_.reserve(static_cast<std::size_t>(max_rows));
-  entries_.reserve(static_cast<std::size_t>(max_entries));
 }
 
 void ConstraintRows::clear() {
-  start_.clear();
+  blocks_.clear();
   translation_.clear();
-  entries_.clear();
 }
 
 void ConstraintRows::beginRow() {
-  start_.push_back(static_cast<int>(entries_.size()));
+  blocks_.beginRow();
   translation_.push_back(Vec3::Zero());
 }
 
 void ConstraintRows::add(int mesh_node, const Vec3& derivative) {
   translation_.back() += derivative;
   const int node = model_->freeIndex(mesh_node);
-  if (node >= 0) entries_.push_back({node, derivative});
+  if (node >= 0) blocks_.add(node, derivative);
 }
 
 void ConstraintRows::add(const EmbeddedPoint& point, const Vec3& derivative) {
@@ -31,13 +29,15 @@ void ConstraintRows::add(const EmbeddedPoint& point, const Vec3& derivative) {
 
 double ConstraintRows::dot(int row, const VecX& x) const {
   double sum = 0;
-  for (int k = start_[row]; k < end(row); ++k) sum += entries_[k].derivative.dot(x.segment<3>(3 * entries_[k].node));
+  for (const auto* entry = blocks_.begin(row); entry != blocks_.end(row); ++entry) {
+    sum += entry->derivative.dot(x.segment<3>(3 * entry->block));
+  }
   return sum;
 }
 
 void ConstraintRows::addTransposed(int row, double factor, VecX& force) const {
-  for (int k = start_[row]; k < end(row); ++k) {
-    force.segment<3>(3 * entries_[k].node) += factor * entries_[k].derivative;
+  for (const auto* entry = blocks_.begin(row); entry != blocks_.end(row); ++entry) {
+    force.segment<3>(3 * entry->block) += factor * entry->derivative;
   }
 }
 

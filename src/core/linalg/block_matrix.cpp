@@ -7,7 +7,7 @@ namespace {
 
 using Panel = Eigen::Map<const Mat3, 0, Eigen::OuterStride<>>;
 
-Panel blockAt(const std::vector<double>& values, int first, int stride) {
+Panel blockAt(const AlignedVector<double>& values, int first, int stride) {
   return Panel(values.data() + first, Eigen::OuterStride<>(stride));
 }
 
@@ -32,6 +32,16 @@ BlockPattern::BlockPattern(int blocks, const std::vector<std::vector<int>>& cliq
   }
 }
 
+BlockPattern BlockPattern::renumbered(const std::vector<int>& order) const {
+  std::vector<int> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
+  std::vector<std::vector<int>> pairs;
+  for (int j = 0; j < blocks(); ++j) {
+    for (int k = column_start_[j] + 1; k < column_start_[j + 1]; ++k) pairs.push_back({place[j], place[row_[k]]});
+  }
+  return BlockPattern(blocks(), pairs);
+}
+
 BlockSlot BlockPattern::slot(int row, int column) const {
   const int start = column_start_[column];
   const int end = column_start_[column + 1];
@@ -41,7 +51,7 @@ BlockSlot BlockPattern::slot(int row, int column) const {
 }
 
 BlockMatrix::BlockMatrix(const BlockPattern& pattern)
-    : pattern_(&pattern), values_(9 * static_cast<std::size_t>(pattern.blockCount()), 0.0) {}
+    : pattern_(&pattern), values_(static_cast<std::size_t>(9 * pattern.blockCount()), 0.0) {}
 
 void BlockMatrix::setZero() {
   std::fill(values_.begin(), values_.end(), 0.0);

@@ -179,6 +179,9 @@ ControlDescription readControl(const YamlReader& yaml) {
   if (!yaml.has("control")) return control;
   const YamlReader map = yaml.map("control");
   control.model = map.choiceOr("model", {"static", "dynamic"}, 0) == 0 ? MotionModel::kStatic : MotionModel::kDynamic;
+  control.cholesky = map.choiceOr("cholesky", {"supernodal", "cholmod"}, 0) == 0 ? CholeskyMethod::kSupernodal
+                                                                                 : CholeskyMethod::kCholmod;
+  control.threads = map.integerOr("threads", control.threads, 1, 64);
   control.newton_steps = map.integerOr("newton_steps", control.newton_steps, 1, 100);
   control.max_node_step = map.positiveOr("max_node_step", control.max_node_step);
   control.reach_per_cycle = map.positiveOr("reach_per_cycle", control.reach_per_cycle);
