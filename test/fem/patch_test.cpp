@@ -3,7 +3,7 @@
 #include "check_line.h"
 #include "mesh/bar_mesh.h"
 #include "sinew/fem/fem_model.h"
-#include "sinew/linalg/sparse_cholesky.h"
+#include "sinew/linalg/supernodal_cholesky.h"
 
 namespace sinew {
 namespace {
@@ -37,7 +37,7 @@ double affineError(const Mat3& F, unsigned seed) {
   const TetMesh mesh = makeIrregularBox(seed);
   const FemModel model = makeModel(mesh, true);
   FemData data(model);
-  SparseCholesky cholesky(model.pattern());
+  SupernodalCholesky cholesky(model.factor(), 0);
   std::vector<Vec3> positions = mesh.nodes;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (onBoundary(mesh.nodes[i])) positions[i] = F * mesh.nodes[i];
