@@ -61,6 +61,39 @@ TEST(DualQp, agreesWithDenseQp) {
   }
 }
 
+// Wherever it starts, the end is the same; and the start is a bound.
+TEST(DualQp, startsWithUnknownsAtZero) {
+  std::mt19937 random(6);
+  int kept = 0;
+  for (int k = 0; k < 500; ++k) {
+    const int n = 1 + static_cast<int>(random() % 14);
+    const int m = static_cast<int>(random() % 20);
+    const QpProblem problem = makeConvex(n, m, true, random);
+    View view(problem);
+    view.limits.lower.tail(n).setZero();
+    view.limits.upper.tail(n).setConstant(kInfinity);
+    DualQp cold(n, m), warm(n, m);
+    ASSERT_TRUE(cold.start(problem.G, problem.g));
+    const DualQp::Outcome outcome = cold.minimise(view.rows(), view.limits, kInfinity);
+    std::vector<char> held(static_cast<std::size_t>(n));
+    for (char& hold : held) hold = random() % 3 > 0 ? 1 : 0;
+    ASSERT_TRUE(warm.start(problem.G, problem.g, m, held));
+    kept += warm.activeCount();
+    for (int a = 0; a < warm.activeCount(); ++a) {
+      EXPECT_GE(warm.activeDual(a), 0);
+      EXPECT_NEAR(warm.x()(warm.activeLimit(a) - m), 0, 1e-12 * (1 + warm.x().norm()));
+    }
+    const double bound = warm.value();
+    EXPECT_NEAR(bound, calcObjective(problem, warm.x()), 1e-9 * (1 + std::abs(bound)));
+    ASSERT_EQ(warm.minimise(view.rows(), view.limits, kInfinity), outcome) << k;
+    if (outcome != DualQp::Outcome::kOptimal) continue;
+    EXPECT_NEAR(warm.value(), cold.value(), 1e-8 * (1 + std::abs(cold.value())));
+    EXPECT_LE(bound, warm.value() + 1e-9 * (1 + std::abs(bound)));
+    EXPECT_LE((warm.x() - cold.x()).norm(), 1e-7 * (1 + cold.x().norm())) << k;
+  }
+  EXPECT_GT(kept, 500);
+}
+
 TEST(DualQp, seesInfeasibility) {
   std::mt19937 random(4);
   for (int k = 0; k < 200; ++k) {

@@ -30,11 +30,13 @@ class PlainGuide : public TreeGuide {
     if (blind || !solveContactLcp(x, tableau_) || !piece_.solve(tableau_.map(), answer_)) return;
     best_ = std::min(best_, answer_.merit.objective);
   }
+  bool isOpen(int contact) const override { return contact % 3 > 0; }  // whatever it is, the answer is the same
+  void widen() override { ++widenings; }
   void restart() override { ++restarts; }
   bool presses(const Eigen::Ref<const VecX>&, int contact) override { return contact % 2 == 0; }
 
   bool blind = false;
-  int restarts = 0;
+  int restarts = 0, widenings = 0;
 
  private:
   ComplementarityTableau tableau_;

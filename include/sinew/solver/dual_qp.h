@@ -45,6 +45,10 @@ class DualQp {
 
   /// Starts from the unconstrained minimiser. False if G is not safely positive definite, or if interrupted.
   bool start(const Eigen::Ref<const MatX>& G, const Eigen::Ref<const VecX>& g, QpInterruption* interruption = nullptr);
+  /// The same from the minimiser with some unknowns at 0, their lower limit: those `held` [per unknown] that want to go
+  /// below it. `rows` is what `minimise` will be given.
+  bool start(const Eigen::Ref<const MatX>& G, const Eigen::Ref<const VecX>& g, int rows, const std::vector<char>& held,
+             QpInterruption* interruption = nullptr);
 
   /// Takes over the state of `other`, whose capacity must be the same; costs the size of its QP, not the capacity.
   void copy(const DualQp& other);
@@ -77,6 +81,9 @@ class DualQp {
     double amount = 0;
   };
 
+  bool factorise(const Eigen::Ref<const MatX>& G, QpInterruption* interruption);
+  void invert(int held);
+  void release(const Eigen::Ref<const VecX>& g);
   void updateValues(const QpRows& rows);
   Violation findViolation(const QpRows& rows, const QpLimits& limits);
   double calcTolerance(const QpRows& rows, int limit) const;
@@ -93,6 +100,7 @@ class DualQp {
   VecX x_, dual_, sign_;
   std::vector<int> limit_;
   std::vector<char> fixed_;  ///< active equalities, by position
+  std::vector<int> order_;   ///< unknowns, those held at the start first
 
   VecX values_, misses_;
   VecX projected_, direction_, dual_direction_;  ///< J^T n, J2 J2^T n, R^-1 J1^T n of the normal n

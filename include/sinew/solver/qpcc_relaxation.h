@@ -18,8 +18,9 @@ class QpccRelaxation {
   /// False if the objective could not be made safely convex, or if interrupted: there is then no bound.
   bool prepare(const ScaledQpcc& problem, QpInterruption* interruption = nullptr);
 
-  /// Starts `qp` at the unconstrained minimiser of the relaxation; false as above.
-  bool start(DualQp& qp, QpInterruption* interruption = nullptr) const;
+  /// Starts `qp` at the unconstrained minimiser of the relaxation, or with forces of the contacts `open` [per contact
+  /// and unknown] at 0, which is much nearer to its end where most are; false as above.
+  bool start(DualQp& qp, const std::vector<char>& open = {}, QpInterruption* interruption = nullptr) const;
 
   QpRows rows() const;
   /// Of the rows and of (z, x); what branching tightens.

@@ -16,11 +16,11 @@
 
 namespace sinew {
 
-/// Searches the global minimum of a QPCC while a budget lasts: descends from the guess, from x = 0 and from other
-/// actuations, then by branch and bound, which may prove the answer global. There is always an answer: what the budget
-/// cuts short is the search for a better one. Descents start at the contacts of an actuation, with equalities among the
-/// rows held. The starts continue a fixed random sequence, so that a run is repeatable where counts bound the budget.
-/// Nothing allocates after construction.
+/// Searches the global minimum of a QPCC while a budget lasts: descends from the guess and from x = 0, then by branch
+/// and bound, which may prove the answer global, and from other actuations where the first bound does not yet do so.
+/// There is always an answer: what the budget cuts short is the search for a better one. Descents start at the contacts
+/// of an actuation, with equalities among the rows held. The starts continue a fixed random sequence, so that a run is
+/// repeatable where counts bound the budget. Nothing allocates after construction.
 class QpccSolver {
  public:
   explicit QpccSolver(const QpccSizes& capacity);
@@ -46,6 +46,7 @@ class QpccSolver {
   bool withinReach(const PieceAnswer& answer) const;
   void startAtGuess(const QpccGuess& guess);
   void startAtRest();
+  void widen();
   void restart();
   double drawUnit();
   bool exploreTree();
@@ -74,7 +75,7 @@ class QpccSolver {
   std::vector<char> wanted_;
   std::vector<QpccVisit>* visits_ = nullptr;
   std::uint64_t random_ = 0;
-  int restarts_ = 0;
+  int restarts_ = 0, restarts_left_ = 0;
 };
 
 }  // namespace sinew

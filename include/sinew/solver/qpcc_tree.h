@@ -20,6 +20,12 @@ class TreeGuide {
   /// Descends from the contacts of an actuation.
   virtual void descendFrom(const Eigen::Ref<const VecX>& x) = 0;
 
+  /// Whether the contact is open in the best point known; false if none is.
+  virtual bool isOpen(int contact) const = 0;
+
+  /// Called once, when the first relaxation leaves something to search: descends from many other places.
+  virtual void widen() = 0;
+
   /// Descends from somewhere else.
   virtual void restart() = 0;
 
@@ -42,6 +48,7 @@ class QpccTree {
   Outcome explore(const ScaledQpcc& problem, SearchBudget& budget, TreeGuide& guide);
 
  private:
+  bool startRoot();
   bool explore(int depth);
   bool exploreChild(int depth, int contact, bool pressing);
   bool isDecided(int contact);
@@ -53,6 +60,7 @@ class QpccTree {
   TreeGuide* guide_ = nullptr;
   QpccRelaxation relaxation_;
   std::vector<DualQp> nodes_;  ///< by depth
+  std::vector<char> open_;     ///< contacts, then unknowns
   double slack_ = 0;           ///< of the relaxation's values as bounds
   bool doubtful_ = false;
 };

@@ -10,7 +10,8 @@ namespace sinew {
 struct QpccBudget {
   int max_pieces = 100000;
   int max_nodes = 100000;
-  int restarts = 13;  ///< descents from elsewhere before branch and bound, the first of them from x = 0
+  int restarts = 13;          ///< descents from elsewhere before branch and bound, the first of them from x = 0
+  int elastic_restarts = 48;  ///< more of them while nothing is known that keeps the limits
   std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
 };
 

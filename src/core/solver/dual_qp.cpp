@@ -25,6 +25,7 @@ DualQp::DualQp(int max_unknowns, int max_rows)
       sign_(max_unknowns),
       limit_(static_cast<std::size_t>(max_unknowns), 0),
       fixed_(static_cast<std::size_t>(max_unknowns), 0),
+      order_(static_cast<std::size_t>(max_unknowns), 0),
       values_(max_rows + max_unknowns),
       misses_(max_rows + max_unknowns),
       projected_(max_unknowns),
@@ -32,31 +33,85 @@ DualQp::DualQp(int max_unknowns, int max_rows)
       dual_direction_(max_unknowns) {}
 
 bool DualQp::start(const Eigen::Ref<const MatX>& G, const Eigen::Ref<const VecX>& g, QpInterruption* interruption) {
+  return start(G, g, 0, {}, interruption);
+}
+
+bool DualQp::start(const Eigen::Ref<const MatX>& G, const Eigen::Ref<const VecX>& g, int rows,
+                   const std::vector<char>& held, QpInterruption* interruption) {
   const int n = unknowns_ = static_cast<int>(g.size());
   rows_ = count_ = steps_ = 0;
-  // G = U^T U with U in R_ for now, column by column; J = U^-1.
-  for (int j = 0; j < n; ++j) {
-    if (interruption && interruption->due()) return false;
-    auto u = R_.col(j).head(j);
-    for (int i = 0; i < j; ++i) u(i) = (G(i, j) - R_.col(i).head(i).dot(u.head(i))) / R_(i, i);
-    const double pivot = G(j, j) - u.squaredNorm();
-    if (!(pivot > kFlatPivot * G(j, j))) return false;
-    R_(j, j) = std::sqrt(pivot);
-    auto column = J_.col(j).head(n);
-    column.setZero();
-    for (int i = 0; i < j; ++i) column.head(i + 1) -= u(i) * J_.col(i).head(i + 1);
-    column(j) = 1;
-    column.head(j + 1) /= R_(j, j);
+  const auto isHeld = [&held](int i) { return !held.empty() && held[static_cast<std::size_t>(i)] != 0; };
+  int first = 0, next = 0;
+  for (int i = 0; i < n; ++i) first += isHeld(i) ? 1 : 0;
+  for (int i = 0, last = first; i < n; ++i) order_[static_cast<std::size_t>(isHeld(i) ? next++ : last++)] = i;
+  if (!factorise(G, interruption)) return false;
+  invert(first);
+  for (int k = 0; k < first; ++k) {
+    limit_[static_cast<std::size_t>(k)] = rows + order_[static_cast<std::size_t>(k)];
+    fixed_[static_cast<std::size_t>(k)] = 0;
   }
+  sign_.head(first).setOnes();
+  count_ = first;
+  release(g);
+
   x_.head(n).setZero();
-  value_ = 0;
-  for (int j = 0; j < n; ++j) {
-    const auto column = J_.col(j).head(j + 1);
-    const double slope = column.dot(g.head(j + 1));
-    x_.head(j + 1) -= slope * column;
-    value_ -= 0.5 * slope * slope;
+  for (int k = count_; k < n; ++k) x_.head(n) -= projected_(k) * J_.col(k).head(n);
+  value_ = -0.5 * projected_.segment(count_, n - count_).squaredNorm();
+  return true;
+}
+
+/// G = U U^T in the chosen order, U upper triangular and in R_ for now.
+bool DualQp::factorise(const Eigen::Ref<const MatX>& G, QpInterruption* interruption) {
+  for (int j = unknowns_ - 1; j >= 0; --j) {
+    if (interruption && interruption->due()) return false;
+    const int own = order_[static_cast<std::size_t>(j)];
+    double pivot = G(own, own);
+    auto u = R_.col(j).head(j);
+    for (int i = 0; i < j; ++i) u(i) = G(order_[static_cast<std::size_t>(i)], own);
+    for (int k = j + 1; k < unknowns_; ++k) {
+      pivot -= R_(j, k) * R_(j, k);
+      u -= R_(j, k) * R_.col(k).head(j);
+    }
+    if (!(pivot > kFlatPivot * G(own, own))) return false;
+    R_(j, j) = std::sqrt(pivot);
+    u /= R_(j, j);
   }
   return true;
+}
+
+/// J = U^-T: row i of a lower triangle ends at column i, so that the leading columns span the leading unknowns, as they
+/// have to the active normals. The R of `held` of these is the head of U^-1.
+void DualQp::invert(int held) {
+  const int n = unknowns_;
+  for (int j = n - 1; j >= 0; --j) {
+    auto column = direction_.head(j + 1);
+    column.setZero();
+    column(j) = 1;
+    for (int k = j; k >= 0; --k) {
+      column(k) /= R_(k, k);
+      column.head(k) -= column(k) * R_.col(k).head(k);
+    }
+    auto row = J_.row(order_[static_cast<std::size_t>(j)]);
+    row.head(j + 1) = column.transpose();
+    row.segment(j + 1, n - j - 1).setZero();
+    if (j < held) R_.col(j).head(j + 1) = column;
+  }
+}
+
+/// Lets go of active limits until no dual is negative, the most negative first; leaves J^T g in projected_.
+void DualQp::release(const Eigen::Ref<const VecX>& g) {
+  for (;;) {
+    for (int k = 0; k < unknowns_; ++k) projected_(k) = J_.col(k).head(unknowns_).dot(g);
+    auto u = dual_.head(count_);
+    u = projected_.head(count_);
+    for (int k = count_ - 1; k >= 0; --k) {
+      u(k) /= R_(k, k);
+      u.head(k) -= u(k) * R_.col(k).head(k);
+    }
+    int worst = 0;
+    if (count_ == 0 || u.minCoeff(&worst) >= 0) return;
+    remove(worst);
+  }
 }
 
 void DualQp::copy(const DualQp& other) {
@@ -229,7 +284,7 @@ void DualQp::remove(int position) {
   // Rotations bring the columns that moved back to upper triangular form.
   const int n = unknowns_;
   for (int k = position; k < count_; ++k) {
-    const double length = std::hypot(R_(k, k), R_(k + 1, k));
+    const double length = std::sqrt(R_(k, k) * R_(k, k) + R_(k + 1, k) * R_(k + 1, k));
     const double c = R_(k, k) / length;
     const double s = R_(k + 1, k) / length;
     for (int j = k; j < count_; ++j) {

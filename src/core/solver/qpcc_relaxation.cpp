@@ -79,9 +79,9 @@ QpRows QpccRelaxation::rows() const {
   return makeQpRows(map_.leftCols(problem_->tableColumns()), problem_->limitedRows());
 }
 
-bool QpccRelaxation::start(DualQp& qp, QpInterruption* interruption) const {
+bool QpccRelaxation::start(DualQp& qp, const std::vector<char>& open, QpInterruption* interruption) const {
   const int n = problem_->size.contacts + problem_->size.unknowns;
-  return qp.start(G_.topLeftCorner(n, n), g_.head(n), interruption);
+  return qp.start(G_.topLeftCorner(n, n), g_.head(n), problem_->limitedRows(), open, interruption);
 }
 
 bool QpccRelaxation::updateGrams(QpInterruption* interruption) {

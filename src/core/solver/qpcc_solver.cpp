@@ -12,7 +12,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kLog2VisitedSets = 16;
 constexpr double kMostDrift = 1e-10;  // of the tableau, before it is rebuilt
-constexpr int kElasticRestarts = 48;  // while nothing feasible is known
 constexpr double kNearby = 0.3;       // share of the box in which restarts around the best point fall
 constexpr double kBeyond = 4;         // soft ranges by which restarts go beyond limits that give way
 
@@ -67,6 +66,10 @@ class QpccSolver::Guide : public TreeGuide {
     return solver_.feasible() ? solver_.best_.answer.merit.objective : kInfinity;
   }
   void descendFrom(const Eigen::Ref<const VecX>& x) override { solver_.descendFrom(x); }
+  bool isOpen(int contact) const override {
+    return solver_.feasible() && solver_.best_.active[static_cast<std::size_t>(contact)] == 0;
+  }
+  void widen() override { solver_.widen(); }
   void restart() override { solver_.restart(); }
   bool presses(const Eigen::Ref<const VecX>& x, int contact) override {
     solveContactLcp(x, solver_.tableau_);
@@ -143,9 +146,11 @@ void QpccSolver::search(const QpccGuess& guess, const QpccBudget& budget, QpccSo
   if (local_.answer.valid && local_.answer.merit.feasible())
     solution.decomposition_objective = local_.answer.merit.objective * scaled_.objectiveUnit();
 
-  for (int k = 1; k < budget.restarts && budget_.piecesLeft(); ++k) restart();
-  for (int k = 0; k < kElasticRestarts && !feasible() && budget_.piecesLeft(); ++k) restart();
-  solution.proved_global = exploreTree() && feasible();
+  restarts_left_ = budget.restarts - 1;
+  if (!feasible()) widen();
+  for (int k = 0; k < budget.elastic_restarts && !feasible() && budget_.piecesLeft(); ++k) restart();
+  solution.proved_global = budget.max_nodes > 0 && exploreTree() && feasible();
+  if (!solution.proved_global) widen();
   if (!local_.answer.valid) local_ = best_;
 }
 
@@ -174,6 +179,11 @@ void QpccSolver::startAtRest() {
   start_.head(n).setZero();
   start_.head(n) = start_.head(n).cwiseMax(scaled_.x_lower.head(n)).cwiseMin(scaled_.x_upper.head(n));
   descendFrom(start_.head(n));
+}
+
+/// The restarts that are left, where there is still something to look for.
+void QpccSolver::widen() {
+  for (; restarts_left_ > 0 && budget_.piecesLeft(); --restarts_left_) restart();
 }
 
 /// In turn: anywhere in the box, mostly at its corners, around the best point.

@@ -1,5 +1,6 @@
 #include "sinew/solver/qpcc_tree.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,17 +19,23 @@ constexpr int kNodesPerDescent = 4;
 QpccTree::QpccTree(const QpccSizes& capacity)
     : relaxation_(capacity),
       nodes_(static_cast<std::size_t>(capacity.contacts + 1),
-             DualQp(capacity.contacts + capacity.unknowns, capacity.contacts + capacity.rows)) {}
+             DualQp(capacity.contacts + capacity.unknowns, capacity.contacts + capacity.rows)),
+      open_(static_cast<std::size_t>(capacity.contacts + capacity.unknowns), 0) {}
 
 QpccTree::Outcome QpccTree::explore(const ScaledQpcc& problem, SearchBudget& budget, TreeGuide& guide) {
   problem_ = &problem;
   budget_ = &budget;
   guide_ = &guide;
   doubtful_ = false;
-  if (!budget.nodesLeft() || !relaxation_.prepare(problem, &budget) || !relaxation_.start(nodes_[0], &budget))
-    return Outcome::kInterrupted;
+  if (!budget.nodesLeft() || !relaxation_.prepare(problem, &budget) || !startRoot()) return Outcome::kInterrupted;
   slack_ = relaxation_.calcSlack();
   return explore(0) && !doubtful_ ? Outcome::kExhausted : Outcome::kInterrupted;
+}
+
+bool QpccTree::startRoot() {
+  std::fill(open_.begin(), open_.end(), 0);
+  for (int i = 0; i < problem_->size.contacts; ++i) open_[static_cast<std::size_t>(i)] = guide_->isOpen(i) ? 1 : 0;
+  return relaxation_.start(nodes_[0], open_, budget_);
 }
 
 /// Of a node's QP, without the constant.
@@ -51,6 +58,7 @@ bool QpccTree::explore(int depth) {
 
   const auto x = node.x().tail(problem_->size.unknowns);
   const int branch = findBranch(node);
+  if (depth == 0 && branch >= 0 && node.value() <= cutoff()) guide_->widen();
   if (branch < 0 || count % kNodesPerDescent == 1) {
     guide_->descendFrom(x);
     if (branch >= 0) guide_->restart();
