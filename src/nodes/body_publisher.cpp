@@ -55,10 +55,8 @@ BodyPublisher::~BodyPublisher() {
   sem_destroy(&handed_);
 }
 
-void BodyPublisher::hand(const InverseController& controller, const CycleInput& input, const CycleOutput& output,
-                         const ros::Time& stamp) {
+void BodyPublisher::hand(const InverseController& controller, const CycleInput& input, const CycleOutput& output) {
   Snapshot& snapshot = newest_.back();
-  snapshot.stamp = stamp;
   const std::vector<int>& surface = robot_->surface().nodes;
   const std::vector<Vec3>& nodes = controller.nodes();
   for (std::size_t i = 0; i < surface.size(); ++i) snapshot.nodes[i] = nodes[static_cast<std::size_t>(surface[i])];
@@ -83,17 +81,18 @@ void BodyPublisher::run() {
   while (!stop_) {
     if (sem_wait(&handed_) != 0 && errno == EINTR) continue;
     if (!newest_.update()) continue;
-    publishBody(newest_.front());
-    publishFrames(newest_.front());
-    publishContacts(newest_.front());
-    publishObstacles(newest_.front());
-    publishCarrier(newest_.front());
+    const ros::Time stamp = ros::Time::now();
+    publishBody(newest_.front(), stamp);
+    publishFrames(newest_.front(), stamp);
+    publishContacts(newest_.front(), stamp);
+    publishObstacles(newest_.front(), stamp);
+    publishCarrier(newest_.front(), stamp);
   }
 }
 
-void BodyPublisher::publishBody(const Snapshot& snapshot) {
+void BodyPublisher::publishBody(const Snapshot& snapshot, const ros::Time& stamp) {
   if (publisher_.getNumSubscribers() == 0) return;
-  message_.header.stamp = snapshot.stamp;
+  message_.header.stamp = stamp;
   std::transform(snapshot.nodes.begin(), snapshot.nodes.end(), message_.vertices.begin(), toPoint32);
   message_.cable_points.clear();
   for (std::size_t i = 0; i < snapshot.cables.size(); ++i) {
@@ -105,11 +104,11 @@ void BodyPublisher::publishBody(const Snapshot& snapshot) {
 }
 
 // A frame is sent once for a stamp: while the clock is paused there is nothing new to say.
-void BodyPublisher::publishFrames(const Snapshot& snapshot) {
-  if (frames_.empty() || frames_.front().header.stamp == snapshot.stamp) return;
+void BodyPublisher::publishFrames(const Snapshot& snapshot, const ros::Time& stamp) {
+  if (frames_.empty() || frames_.front().header.stamp == stamp) return;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     const Vec3 position = snapshot.effectors.segment<3>(3 * static_cast<Eigen::Index>(i));
-    frames_[i].header.stamp = snapshot.stamp;
+    frames_[i].header.stamp = stamp;
     frames_[i].transform.translation.x = position.x();
     frames_[i].transform.translation.y = position.y();
     frames_[i].transform.translation.z = position.z();
@@ -117,9 +116,9 @@ void BodyPublisher::publishFrames(const Snapshot& snapshot) {
   broadcaster_.sendTransform(frames_);
 }
 
-void BodyPublisher::publishContacts(const Snapshot& snapshot) {
+void BodyPublisher::publishContacts(const Snapshot& snapshot, const ros::Time& stamp) {
   if (contacts_publisher_.getNumSubscribers() == 0) return;
-  contacts_.header.stamp = snapshot.stamp;
+  contacts_.header.stamp = stamp;
   contacts_.contacts.clear();
   for (std::size_t i = 0; i < snapshot.contact_count; ++i) {
     const PressedContact& contact = snapshot.contacts[i];
@@ -128,16 +127,16 @@ void BodyPublisher::publishContacts(const Snapshot& snapshot) {
   contacts_publisher_.publish(contacts_);
 }
 
-void BodyPublisher::publishCarrier(const Snapshot& snapshot) {
+void BodyPublisher::publishCarrier(const Snapshot& snapshot, const ros::Time& stamp) {
   if (!joints_publisher_) return;
-  joints_.header.stamp = snapshot.stamp;
+  joints_.header.stamp = stamp;
   joints_.position.front() = snapshot.travel;
   joints_publisher_.publish(joints_);
 }
 
-void BodyPublisher::publishObstacles(const Snapshot& snapshot) {
+void BodyPublisher::publishObstacles(const Snapshot& snapshot, const ros::Time& stamp) {
   if (snapshot.obstacles.empty() || obstacles_publisher_.getNumSubscribers() == 0) return;
-  obstacles_.header.stamp = snapshot.stamp;
+  obstacles_.header.stamp = stamp;
   updateObstaclesMessage(snapshot.obstacles, obstacles_);
   obstacles_publisher_.publish(obstacles_);
 }

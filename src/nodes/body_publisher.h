@@ -29,8 +29,7 @@ class BodyPublisher {
   BodyPublisher& operator=(const BodyPublisher&) = delete;
 
   /// Takes a copy of the controller's present shape and contacts. Cycle thread: neither waits nor allocates.
-  void hand(const InverseController& controller, const CycleInput& input, const CycleOutput& output,
-            const ros::Time& stamp);
+  void hand(const InverseController& controller, const CycleInput& input, const CycleOutput& output);
 
  private:
   struct PressedContact {
@@ -39,7 +38,6 @@ class BodyPublisher {
     double gap;    ///< m
   };
   struct Snapshot {
-    ros::Time stamp;
     std::vector<Vec3> nodes;                ///< m, those of the surface
     std::vector<std::vector<Vec3>> cables;  ///< m
     VecX effort;                            ///< N
@@ -52,11 +50,11 @@ class BodyPublisher {
 
   static Snapshot makeSnapshot(const RobotModel& robot);
   void run();
-  void publishBody(const Snapshot& snapshot);
-  void publishFrames(const Snapshot& snapshot);
-  void publishContacts(const Snapshot& snapshot);
-  void publishObstacles(const Snapshot& snapshot);
-  void publishCarrier(const Snapshot& snapshot);
+  void publishBody(const Snapshot& snapshot, const ros::Time& stamp);
+  void publishFrames(const Snapshot& snapshot, const ros::Time& stamp);
+  void publishContacts(const Snapshot& snapshot, const ros::Time& stamp);
+  void publishObstacles(const Snapshot& snapshot, const ros::Time& stamp);
+  void publishCarrier(const Snapshot& snapshot, const ros::Time& stamp);
 
   std::shared_ptr<const RobotModel> robot_;
   NewestWins<Snapshot> newest_;

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "check_advice.h"
 #include "check_timing.h"
+#include "real_time.h"
 #include "sinew/constraint/cable.h"
 #include "sinew/constraint/point_effector.h"
 #include "sinew/fem/fem_model.h"
@@ -22,13 +24,15 @@ namespace {
 
 constexpr int kWrongInput = 1;
 constexpr int kWrongUsage = 2;
+constexpr int kTooSlow = 3;
 
 constexpr char kUsage[] =
-    R"(usage: check ROBOT.yaml [--cycles N]
+    R"(usage: check ROBOT.yaml [--cycles N] [--rate HZ]
 
 Reads a robot's description and prints what the controller makes of it: mesh and its quality, warnings, degrees of
-freedom, mass, cables, carrier, effectors, and the time that a control cycle takes on this machine, stage by stage.
-Exit code 0 when the robot can be controlled, 1 when not, 2 for a wrong command line.
+freedom, mass, cables, carrier, effectors, obstacles, and the time that a control cycle takes on this machine, stage by
+stage, with the obstacles where they are: the rate that it will reach, and what would make it faster.
+Exit code 0 when the robot can be controlled, 1 when not, 2 for a wrong command line, 3 when --rate is not reached.
 )";
 
 void printMesh(const RobotModel& robot) {
@@ -74,15 +78,41 @@ void printEffectors(const RobotModel& robot) {
   }
 }
 
-void printTiming(const CycleTiming& timing) {
-  std::printf("cycle      %zu cycles of a small motion, ms  median     99 %%\n", timing.cycle.size());
-  for (const CycleTiming::Stage& stage : timing.stages) {
-    std::printf("           %-33s %7.3f  %7.3f\n", stage.name.c_str(), 1e3 * stage.durations.calcQuantile(0.5),
-                1e3 * stage.durations.calcQuantile(0.99));
+void printObstacles(const RobotModel& robot) {
+  for (const Obstacle& obstacle : robot.obstacles()) {
+    std::printf("obstacle   %s: %zu part%s, %s\n", obstacle.name.c_str(), obstacle.parts.size(),
+                obstacle.parts.size() == 1 ? "" : "s", obstacle.tracked ? "tracked" : "fixed");
   }
-  std::printf("           %-33s %7.3f  %7.3f\n", "whole cycle", 1e3 * timing.cycle.calcQuantile(0.5),
-              1e3 * timing.cycle.calcQuantile(0.99));
+}
+
+void printDurations(const char* name, const DurationSample& durations) {
+  std::printf("           %-33s %7.3f  %7.3f\n", name, 1e3 * durations.calcQuantile(0.5),
+              1e3 * durations.calcQuantile(0.99));
+}
+
+void printTiming(const RobotModel& robot, const CycleTiming& timing) {
+  std::printf("cycle      %zu cycles of a small motion, ms  median     99 %%\n", timing.cycle.size());
+  for (int stage = 0; stage < CycleTiming::kStageCount; ++stage) {
+    printDurations(CycleTiming::nameOf(stage), timing.stages[static_cast<std::size_t>(stage)]);
+  }
+  printDurations("whole cycle", timing.cycle);
+  printDurations("whole cycle, linearisation shared", timing.sharedCycle);
+  if (robot.maxContacts() > 0) std::printf("contacts   %d at once in this motion\n", timing.contacts);
   std::printf("rate       up to %.0f Hz, with a quarter of each period to spare\n", timing.predictRate());
+  std::printf("           up to %.0f Hz in overload, where cycles share linearisations\n", timing.predictSharedRate());
+  for (const std::string& words : advise(robot.description(), timing)) std::printf("faster     %s\n", words.c_str());
+}
+
+bool reaches(double rate, const CycleTiming& timing) {
+  if (rate <= timing.predictRate()) return true;
+  std::printf(
+      "problem    %.4g Hz are asked for, this machine reaches %.0f Hz: 99 %% of the cycles take up to %.3f ms,\n"
+      "           and %.3f ms would leave a quarter of each period to spare\n",
+      rate, timing.predictRate(), 1e3 * timing.cycle.calcQuantile(0.99), 1e3 * CycleTiming::calcLongest(rate));
+  if (rate <= timing.predictSharedRate()) {
+    std::printf("           commands will go out at that rate, but degraded: cycles will share linearisations\n");
+  }
+  return false;
 }
 
 void printWarnings(const RobotModel& robot) {
@@ -90,8 +120,8 @@ void printWarnings(const RobotModel& robot) {
   if (robot.warnings().empty()) std::printf("warnings   none\n");
 }
 
-/// False when the cycles did not all solve.
-bool check(const std::string& file, int cycles) {
+/// Exit code. `rate` in Hz, 0 for any.
+int check(const std::string& file, int cycles, double rate) {
   const auto robot = std::make_shared<const RobotModel>(readRobotDescription(file));
   std::printf("robot      %s\n", robot->description().name.c_str());
   printMesh(*robot);
@@ -99,14 +129,18 @@ bool check(const std::string& file, int cycles) {
   printCables(*robot);
   printCarrier(robot->description().carrier);
   printEffectors(*robot);
+  printObstacles(*robot);
   printWarnings(*robot);
+  const std::string not_allowed = requestRealTime(kCyclePriority);  // as the controller's node does
+  if (!not_allowed.empty()) std::printf("timing     not in real time: %s\n", not_allowed.c_str());
   const CycleTiming timing = timeCycles(robot, cycles);
-  printTiming(timing);
+  printTiming(*robot, timing);
   if (!timing.rests) {
     std::printf("problem    no equilibrium with slack cables: too soft for its weight, or an obstacle in its way\n");
   }
-  if (timing.held > 0) std::printf("problem    %d of %d cycles were not solved\n", timing.held, cycles);
-  return timing.rests && timing.held == 0;
+  if (timing.held > 0) std::printf("problem    %d of %d cycles were not solved\n", timing.held, 2 * cycles);
+  if (!timing.rests || timing.held > 0) return kWrongInput;
+  return reaches(rate, timing) ? 0 : kTooSlow;
 }
 
 }  // namespace
@@ -116,9 +150,11 @@ int main(int argc, char** argv) {
   namespace options = boost::program_options;
   std::string file;
   int cycles = 200;
+  double rate = 0;
   options::options_description named("options"), all;
   named.add_options()("help", "this text");
-  named.add_options()("cycles", options::value(&cycles)->value_name("N")->default_value(cycles), "cycles to time");
+  named.add_options()("cycles", options::value(&cycles)->value_name("N")->default_value(cycles), "cycles to time")(
+      "rate", options::value(&rate)->value_name("HZ"), "of the controller; exit code 3 when it is not reached");
   all.add(named).add_options()("robot", options::value(&file)->required());
   options::positional_options_description positional;
   positional.add("robot", 1);
@@ -131,7 +167,8 @@ int main(int argc, char** argv) {
     }
     options::notify(values);
     if (cycles < 1) throw options::error("--cycles must be 1 or more");
-    return sinew::check(file, cycles) ? 0 : sinew::kWrongInput;
+    if (values.count("rate") > 0 && !(rate > 0 && std::isfinite(rate))) throw options::error("--rate must be above 0");
+    return sinew::check(file, cycles, rate);
   } catch (const options::error& error) {
     std::cerr << "check: " << error.what() << "; see check --help\n";
     return sinew::kWrongUsage;

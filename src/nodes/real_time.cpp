@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@ namespace sinew {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
+constexpr int kNiceAboveNormal = -15;
 
 std::atomic<bool> fifo_allowed{false};
 
@@ -63,8 +65,22 @@ std::string requestRealTime(int priority) {
   return lockMemory();
 }
 
+double threadTime() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+void nameThread(const char* name) {
+  pthread_setname_np(pthread_self(), name);
+}
+
 void raisePriority(int priority) {
   if (fifo_allowed) setFifo(priority);
+}
+
+void standAboveNormal() {
+  if (fifo_allowed) setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceAboveNormal);
 }
 
 NormalPriority::NormalPriority() {

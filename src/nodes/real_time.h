@@ -8,6 +8,12 @@ namespace sinew {
 /// s on the steady clock (CLOCK_MONOTONIC): the clock of every age and every period.
 double steadyNow();
 
+/// s of the processor that the calling thread has had.
+double threadTime();
+
+/// Names the calling thread for whoever looks at the process: 15 letters at most.
+void nameThread(const char* name);
+
 /// Priorities of a node's threads: a cycle thread stands above the threads that roscpp starts.
 constexpr int kCyclePriority = 80;
 constexpr int kRosPriority = 60;
@@ -19,6 +25,10 @@ std::string requestRealTime(int priority = kRosPriority);
 
 /// Gives the calling thread SCHED_FIFO at `priority` when `requestRealTime` was allowed to; otherwise leaves it alone.
 void raisePriority(int priority);
+
+/// Lets the calling thread, one without SCHED_FIFO, come before the ordinary ones when `requestRealTime` was allowed
+/// to.
+void standAboveNormal();
 
 /// As long as it lives, its thread and those that it starts run without SCHED_FIFO: for set-up and other work that
 /// takes long, which must not keep the processor from the cycles of other nodes.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "cycle_record.h"
 #include "sinew/robot/robot_description.h"
 
 namespace sinew {
@@ -15,6 +16,15 @@ constexpr std::array<const char*, kStages> kStageNames = {"assembly", "factor", 
 
 std::string quote(const std::string& name) {
   return "'" + name + "'";
+}
+
+constexpr double kRounding = 1e-9;  // N or m
+constexpr char kGaveWay[] = "an effort limit gave way: see limits";
+
+bool gaveWay(const CycleOutput& output) {
+  return output.overload == OverloadLevel::kNone ||
+         std::any_of(output.limits.begin(), output.limits.end(),
+                     [](const ActiveLimitReport& limit) { return limit.violation > kRounding; });
 }
 
 /// Index of every name, each known and each at most once.
@@ -306,21 +316,25 @@ void updateObstaclesMessage(const std::vector<ObstacleState>& obstacles, Tracked
   }
 }
 
-void updateCommandMessage(const CycleOutput& output, ActuatorCommand& message) {
-  message.status = toStatus(output.status);
+void updateCommandMessage(const CommandRecord& record, ActuatorCommand& message) {
+  message.session = record.session;
+  message.sequence = record.sequence;
+  message.status = toStatus(record.status);
   for (std::size_t i = 0; i < message.value.size(); ++i) {
-    message.value[i] = output.displacement[static_cast<Eigen::Index>(i)];
+    message.value[i] = record.displacement[static_cast<Eigen::Index>(i)];
   }
 }
 
-void updateStateMessage(const RobotModel& robot, const CycleInput& input, const CycleOutput& output,
-                        ControllerState& message) {
+namespace {
+
+void updateModelMessage(const RobotModel& robot, const CycleRecord& record, ControllerState& message) {
+  const CycleOutput& output = record.output;
   for (std::size_t i = 0; i < message.effectors.size(); ++i) {
     const auto row = 3 * static_cast<Eigen::Index>(i);
     EffectorState& effector = message.effectors[i];
     const Vec3 position = output.effectors.segment<3>(row);
-    const Vec3 target = input.targeted[i] ? Vec3(input.targets.segment<3>(row)) : position;
-    effector.targeted = input.targeted[i];
+    const Vec3 target = record.targeted[i] ? Vec3(record.targets.segment<3>(row)) : position;
+    effector.targeted = record.targeted[i];
     effector.target = toPoint(target);
     effector.position = toPoint(position);
     effector.error = calcControlledDistance(robot.description().effectors[i], target - position);
@@ -351,6 +365,30 @@ void updateStateMessage(const RobotModel& robot, const CycleInput& input, const 
   message.qp_iterations = static_cast<std::uint32_t>(output.qp_iterations);
   message.qp_status = static_cast<std::uint8_t>(output.qp_status);
   message.newton_steps = static_cast<std::uint32_t>(output.newton_steps);
+  message.overload_level = static_cast<std::uint8_t>(output.overload);
+  message.linearisation_age = static_cast<std::uint32_t>(output.linearisation_age);
+}
+
+void updateInputMessages(const CycleRecord& record, std::vector<InputStamp>& inputs) {
+  inputs.resize(record.input_count);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    inputs[i].topic = *record.inputs[i].topic;
+    inputs[i].stamp = record.inputs[i].source.stamp;
+    inputs[i].sequence = record.inputs[i].source.sequence;
+  }
+}
+
+}  // namespace
+
+void updateStateMessage(const RobotModel& robot, const CycleRecord& record, ControllerState& message) {
+  message.status = record.status;
+  message.reason = record.reason;
+  message.session = record.session;
+  message.sequence = record.sequence;
+  message.period = record.period;
+  message.cycle = record.cycle;
+  if (record.modelled) updateModelMessage(robot, record, message);
+  updateInputMessages(record, message.inputs);
 }
 
 void updateStageMessages(const StageStatistics& statistics, std::vector<StageTime>& stages) {
@@ -362,13 +400,27 @@ void updateStageMessages(const StageStatistics& statistics, std::vector<StageTim
   }
 }
 
+const char* describe(OverloadLevel level) {
+  switch (level) {
+    case OverloadLevel::kOneNewtonStep:
+      return "overload: one Newton step a cycle";
+    case OverloadLevel::kNoExploration:
+      return "overload: one Newton step a cycle, no search for other contacts";
+    case OverloadLevel::kSharedLinearisation:
+      return "overload: cycles share linearisations and their contacts";
+    case OverloadLevel::kNone:
+      break;
+  }
+  return "";
+}
+
 const char* describe(const CycleOutput& output) {
   if (output.status == CycleStatus::kSolved) return "";
   if (output.status == CycleStatus::kDegraded && !output.holds) return "an effector that is to hold cannot";
   if (output.status == CycleStatus::kDegraded && output.contacts.crowded) {
     return "more contacts than contacts.max_contacts has room for";
   }
-  if (output.status == CycleStatus::kDegraded) return "an effort limit gave way: see limits";
+  if (output.status == CycleStatus::kDegraded) return gaveWay(output) ? kGaveWay : describe(output.overload);
   switch (output.reason) {
     case HoldReason::kNotFinite:
       return "held: the model came to a value that is not finite";

@@ -83,13 +83,18 @@ TrackedObstacles makeObstaclesMessage(const RobotModel& robot);
 /// Name of the obstacle that each part belongs to: what `ContactRow::obstacle` counts.
 std::vector<std::string> listPartOwners(const RobotModel& robot);
 
-void updateCommandMessage(const CycleOutput& output, ActuatorCommand& message);
-void updateStateMessage(const RobotModel& robot, const CycleInput& input, const CycleOutput& output,
-                        ControllerState& message);
+struct CommandRecord;
+struct CycleRecord;
+void updateCommandMessage(const CommandRecord& record, ActuatorCommand& message);
+/// All but the stamp, the stages and the deadlines missed. What was not modelled stays as it was.
+void updateStateMessage(const RobotModel& robot, const CycleRecord& record, ControllerState& message);
 /// `force` [N], `gap` [m].
 Contact makeContactMessage(const ContactRow& row, double force, double gap, const std::vector<std::string>& owners);
 void updateObstaclesMessage(const std::vector<ObstacleState>& obstacles, TrackedObstacles& message);
 void updateStageMessages(const StageStatistics& statistics, std::vector<StageTime>& stages);
+
+/// What a level leaves out, in words; empty for none.
+const char* describe(OverloadLevel level);
 
 /// Why a cycle was held or degraded, in words.
 const char* describe(const CycleOutput& output);

@@ -1,8 +1,5 @@
 // The cycle of the controller takes no memory: not with contacts that come and go, not with limits that give way, not
-// while it holds. What CHOLMOD takes inside its own calls is left out.
-
-#include <dlfcn.h>
-#include <suitesparse/SuiteSparse_config.h>
+// while it holds.
 
 #include <cmath>
 
@@ -15,23 +12,6 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;  // rad
 constexpr int kWarmUp = 20;                  // cycles
-
-// Where the counting functions end up, uncounted.
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-}
-
-struct UncountedCholmod {
-  UncountedCholmod() {
-    auto* const config = static_cast<SuiteSparse_config_struct*>(dlsym(RTLD_DEFAULT, "SuiteSparse_config"));
-    if (config == nullptr || !countsAllocations()) return;
-    config->malloc_func = __libc_malloc;
-    config->calloc_func = __libc_calloc;
-    config->realloc_func = __libc_realloc;
-  }
-} const uncounted_cholmod;
 
 /// Sways every effector about its place at rest, and brings obstacles to and fro.
 class SwayingRun {

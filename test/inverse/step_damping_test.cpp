@@ -11,7 +11,7 @@ double dampingAfter(int bad_steps, int good_steps) {
   StepDamping damping;
   for (int k = 0; k < bad_steps + good_steps; ++k) {
     damping.recordStep(kStep);
-    damping.update(k < bad_steps ? 0.8 * kStep : 0.01 * kStep);
+    damping.update(k < bad_steps ? 0.8 * kStep : 0.01 * kStep, 0);
   }
   return damping.value();
 }
@@ -43,29 +43,38 @@ TEST(StepDamping, FallsAndVanishesAfterwards) {
 TEST(StepDamping, RisesWhenStepsGoToAndFro) {
   StepDamping damping;
   damping.recordStep(kStep, true);
-  damping.update(0);
+  damping.update(0, 0);
   EXPECT_GT(damping.value(), 0);
   const double risen = damping.value();
   damping.recordStep(kStep);
-  damping.update(0);
+  damping.update(0, 0);
   EXPECT_LT(damping.value(), risen);
+}
+
+TEST(StepDamping, ExpectsNoMoreOfAPushThanOfAStep) {
+  StepDamping damping;
+  damping.recordStep(0.01 * kStep);
+  damping.update(0.3 * kStep, kStep);
+  EXPECT_EQ(damping.value(), 0);
+  damping.update(0.6 * kStep, kStep);
+  EXPECT_GT(damping.value(), 0);
 }
 
 TEST(StepDamping, LearnsNothingFromAStepTooShortToMatter) {
   StepDamping damping;
   damping.recordStep(1e-9);
-  damping.update(1);
+  damping.update(1, 0);
   EXPECT_EQ(damping.value(), 0);
 }
 
 TEST(StepDamping, ResetForgetsTheStepToo) {
   StepDamping damping;
   damping.recordStep(kStep);
-  damping.update(kStep);
+  damping.update(kStep, 0);
   ASSERT_GT(damping.value(), 0);
   damping.reset();
   EXPECT_EQ(damping.value(), 0);
-  damping.update(kStep);
+  damping.update(kStep, 0);
   EXPECT_EQ(damping.value(), 0);
 }
 

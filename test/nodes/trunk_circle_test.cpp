@@ -8,15 +8,14 @@
 #include <sinew/EffectorTargets.h>
 #include <std_msgs/Float64.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <map>
-#include <numeric>
-#include <thread>
 #include <vector>
 
 #include "callback_thread.h"
+#include "control_loop.h"
+#include "quantile.h"
 #include "real_time.h"
 #include "results.h"
 #include "ros_conversions.h"
@@ -28,50 +27,6 @@ constexpr double kTurn = 8;       // s
 constexpr double kTurns = 2;      // 1
 constexpr double kRate = 100;     // Hz
 constexpr double kPatience = 90;  // s until the circle has to be done
-
-double calcMean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-/// The value that `share` of all lie below or at.
-double calcQuantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-  return values[std::max<std::size_t>(rank, 1) - 1];
-}
-
-/// What a loop that does nothing but sleep reaches at the same rate, priority and time: the yardstick of the
-/// controller's own periods.
-class ControlLoop {
- public:
-  ControlLoop() : thread_([this] { run(); }) {}
-  ~ControlLoop() { stop(); }
-
-  void start() { recording_ = true; }
-  std::vector<double> stop() {
-    running_ = false;
-    if (thread_.joinable()) thread_.join();
-    return periods_;
-  }
-
- private:
-  void run() {
-    raisePriority(kCyclePriority);
-    periods_.reserve(100000);
-    PeriodicWakeUp wake_up(1 / kRate);
-    wake_up.wait();
-    for (double last = steadyNow(); running_;) {
-      wake_up.wait();
-      const double now = steadyNow();
-      if (recording_ && periods_.size() < periods_.capacity()) periods_.push_back(now - last);
-      last = now;
-    }
-  }
-
-  std::atomic<bool> running_{true}, recording_{false};
-  std::vector<double> periods_;  // s
-  std::thread thread_;
-};
 
 /// Listens to the line while the targets run through the part of the curve that counts. All callbacks in one thread.
 class Listener {
@@ -150,7 +105,7 @@ class Listener {
 
 TEST(TrunkCircle, IsFollowedInTime) {
   Listener listener;
-  ControlLoop control;
+  ControlLoop control(kRate);
   CallbackThread spinner(*ros::getGlobalCallbackQueue());
   spinner.start();
   const double begin = steadyNow();
@@ -159,7 +114,8 @@ TEST(TrunkCircle, IsFollowedInTime) {
     ros::WallDuration(0.02).sleep();
   }
   spinner.stop();
-  const std::vector<double> control_periods = control.stop();
+  control.stop();
+  const std::vector<double>& control_periods = control.periods();
 
   ASSERT_TRUE(listener.done()) << "the circle was not finished within " << kPatience << " s";
   ASSERT_GT(listener.periods.size(), 0.9 * kRate * (kTurns - 0.5) * kTurn);

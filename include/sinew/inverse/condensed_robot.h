@@ -50,6 +50,8 @@ class CondensedRobot {
   void accelerateCarrier(double travel, const StepRule& rule);
   /// At rest in the configuration of `other`, a robot of the same model.
   void place(const CondensedRobot& other);
+  /// The same with the contacts that press on `other`, and the stiffness that they give.
+  void imitate(const CondensedRobot& other);
 
   /// Assembles forces, load stiffness and rows at the present configuration with `effort` [N]; updates the present
   /// values.
@@ -62,6 +64,8 @@ class CondensedRobot {
   /// Rows of the contacts that `finder` has found at the present configuration.
   void addContacts(const ContactFinder& finder);
   void condense(StageTimes& times);
+  /// The obstacles have moved by what the finder's last `setObstacles` says: gaps follow, normals stay.
+  void shiftGaps(const ContactFinder& finder);
 
   auto compliance() const { return compliance_.topLeftCorner(rows(), rows()); }  ///< W [m/N]
   auto freeMotion() const { return free_motion_.head(rows()); }                  ///< H dx_free, one per row [m]
@@ -95,11 +99,10 @@ class CondensedRobot {
   std::vector<Vec3> positions_;  // m, robot's frame, of a robot with a carrier
   ConstraintRows rows_;
   int actuators_, effector_rows_;
-  MatX half_;  // Y = L^-1 P [H^T b]
   MatX compliance_;
-  VecX carrier_half_;              // Y's row of the carrier, sqrt(c) [r, effort]
+  VecX carrier_half_;              // sqrt(c) [r, effort]: what the carrier adds to L^-1 [H^T b]
   double carrier_compliance_ = 0;  // c, m/N
-  VecX effort_, free_motion_, displacement_, gap_, cable_force_, contact_force_, half_motion_, motion_;
+  VecX effort_, free_motion_, displacement_, gap_, cable_force_, contact_force_, row_force_, motion_;
   Eigen::Index gap_size_ = 0;
   const ContactFinder* finder_ = nullptr;  // of the contact rows
   ContactStiffness contact_stiffness_;

@@ -22,6 +22,12 @@ struct EffectorGoal {
   double weightOf(int k) const { return k < held && !firm ? kHoldWeight : 1; }
 };
 
+/// What a search may take, besides what the robot's description allows.
+struct SearchAllowance {
+  bool explores = true;  ///< false: only the descent from the last answer
+  double time = 0;       ///< s; 0 for no bound
+};
+
 /// Which contacts are to press: the inverse problem with contacts (thesis 4.3.2),
 ///   min 1/2 |W_ea d + W_ec f + error|^2   within the limits of the cycle,   0 <= f  _|_  W_ca d + W_cc f + gap >= 0,
 /// lightly regularised by the energy of the efforts, searched globally while its budget lasts, from where the last
@@ -32,7 +38,8 @@ class ContactSearch {
   ContactSearch(const RobotModel& robot, int max_effector_rows);
 
   QpccStatus solve(const CondensedRobot& robot, const ContactList& contacts, const EffectorGoal& goal,
-                   const CycleLimits& limits, const VecX& effort, double damping);
+                   const CycleLimits& limits, const VecX& effort, double damping,
+                   const SearchAllowance& allowance = SearchAllowance());
   const QpccSolution& solution() const { return solution_; }
   const QpccProblem& problem() const { return problem_; }
   const QpccGuess& guess() const { return guess_; }  ///< that the last search started from
@@ -44,7 +51,7 @@ class ContactSearch {
   void gather(const CondensedRobot& robot, const EffectorGoal& goal, const CycleLimits& limits, const VecX& effort,
               double damping);
   void recall(const CondensedRobot& robot, const ContactList& contacts, const VecX& effort);
-  QpccBudget makeBudget() const;
+  QpccBudget makeBudget(const SearchAllowance& allowance) const;
   void remember(const ContactList& contacts);
 
   const RobotModel& robot_;

@@ -12,9 +12,18 @@ namespace sinew {
 enum class CycleStatus {
   kSolved,    ///< the command solves this cycle's problem within every limit
   kDegraded,  ///< solved, but an effort limit had to give way, see the active limits, or an effector could not be held,
-              ///< or contacts that are near found no room
+              ///< or contacts that are near found no room, or something was left out for want of time
   kHeld       ///< not solved: the command repeats the last valid one
 };
+
+/// What a cycle leaves out to be in time, each with all before it, in the order in which it is missed least.
+enum class OverloadLevel {
+  kNone,
+  kOneNewtonStep,       ///< a single linearisation
+  kNoExploration,       ///< with contacts: only the descent from the last answer
+  kSharedLinearisation  ///< cycles share a linearisation, its contacts among it, see `InverseController::renew`
+};
+constexpr OverloadLevel kHighestOverload = OverloadLevel::kSharedLinearisation;
 
 enum class HoldReason { kNone, kNotFinite, kNotPositiveDefinite, kQpFailed };
 
@@ -48,6 +57,8 @@ struct CycleInput {
   VecX by_hand;          ///< per actuator [m]: displacement that somebody else gives it, NaN for none; size 0 likewise
   VecX applied;          ///< per actuator [m]: displacement that the driver applied last; size 0 when nobody tells
   double period = 0.01;  ///< s
+  OverloadLevel overload = OverloadLevel::kNone;
+  double search_time = 0;  ///< s for the search among contacts, besides what the description allows; 0 for no bound
 };
 
 /// What a cycle gives back, sized at set-up.
@@ -67,6 +78,9 @@ struct CycleOutput {
   int qp_iterations = 0;
   QpStatus qp_status = QpStatus::kSolved;
   int newton_steps = 0;
+  OverloadLevel overload = OverloadLevel::kNone;  ///< what the cycle left out
+  bool repeats = false;                           ///< an earlier cycle was answered with the same linearisation
+  int linearisation_age = 0;                      ///< cycles since the robot stood where it is linearised
   StageTimes times;
 };
 

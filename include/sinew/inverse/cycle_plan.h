@@ -41,9 +41,9 @@ class CyclePlan {
  private:
   void gatherRows(const CondensedRobot& robot, const CycleInput& input, bool held);
   double gatherGoal(const CondensedRobot& robot, const CycleInput& input, CycleOutput& output);
-  bool searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleLimits& limits,
-                   const VecX& effort, CycleOutput& output);
-  double calcDrift(const CondensedRobot& robot, const ContactFinder& finder);
+  bool searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleInput& input,
+                   const CycleLimits& limits, const VecX& effort, CycleOutput& output);
+  void updateDamping(const CondensedRobot& robot, const ContactFinder& finder);
   double calcDamping(double goal_scale) const;
   void gatherProblem(const CondensedRobot& robot, const VecX& effort, double goal_scale);
   void allowSearched();
@@ -64,7 +64,8 @@ class CyclePlan {
   VecX contact_force_, contact_gap_;  // N, m
   double missed_ = 0;                 // m, of the goal, after the step
   VecX last_motion_;                  // m, of the rows before the contacts
-  VecX gap_shift_, drift_;            // m, of contacts and of the rows before them
+  VecX gap_shift_;                    // m, of contacts, by the moving of obstacles
+  VecX pushed_, drift_;               // m, of the rows before the contacts: by that moving, and the rest
   VecX row_motion_;                   // m, of every row
 };
 

@@ -27,8 +27,18 @@ class InverseController {
   /// depend on its input, so that the command follows its targets without delay. Adds to the output's times.
   void prepare(CycleOutput& output);
 
-  /// One control cycle. Never throws; on failure the output holds the last valid command with the reason.
+  /// One control cycle, which leaves out what the input's overload level says. Never throws; on failure the output
+  /// holds the last valid command with the reason.
   CycleStatus step(const CycleInput& input, CycleOutput& output);
+
+  /// Where linearisations are shared, `step` answers again and again with the one that it has: the newest targets,
+  /// limits and ways of known obstacles, with the compliance and the contacts of before. A new one is made beside the
+  /// cycles: `beginRenewal` and `endRenewal` between two steps, `renew` on any thread in between. Adds to the times; a
+  /// renewal that fails, or that the model has overtaken by other means, is dropped.
+  void makeSpare();  ///< room for it, once before the first cycle
+  void beginRenewal();
+  void renew(StageTimes& times);
+  void endRenewal();
 
   /// Moves the model to the measured displacements [m] by solving the forward problem, over as many load steps as it
   /// takes. Returns the largest remaining difference between measured and modelled displacement of a taut cable [m]

@@ -51,13 +51,13 @@ int countEntries(const RobotModel& robot) {
 
 CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
     : robot_(std::move(robot)),
-      body_(robot_->fem(), robot_->description().gravity),
+      body_(robot_->fem(), robot_->description().gravity, countRows(*robot_), robot_->description().control.cholesky,
+            robot_->description().control.threads),
       carrier_(robot_->description().carrier.axis),
       positions_(robot_->fem().rest()),
       rows_(robot_->fem(), countRows(*robot_), countEntries(*robot_)),
       actuators_(robot_->actuatorCount()),
       effector_rows_(robot_->effectorRows()),
-      half_(robot_->fem().size(), countRows(*robot_) + 1),
       compliance_(countRows(*robot_), countRows(*robot_)),
       carrier_half_(VecX::Zero(countRows(*robot_) + 1)),
       effort_(VecX::Zero(actuators_)),
@@ -66,7 +66,7 @@ CondensedRobot::CondensedRobot(std::shared_ptr<const RobotModel> robot)
       gap_(robot_->maxContacts()),
       cable_force_(VecX::Zero(robot_->fem().size())),
       contact_force_(VecX::Zero(robot_->fem().size())),
-      half_motion_(robot_->fem().size()),
+      row_force_(VecX::Zero(countRows(*robot_))),
       motion_(VecX::Zero(robot_->fem().size())),
       contact_stiffness_(robot_->maxContacts()),
       negligible_load_(calcNegligibleLoad(robot_->fem())),
@@ -115,6 +115,12 @@ void CondensedRobot::place(const CondensedRobot& other) {
   body_.place(other.body_.positions());
   carrier_.place(other.carrier_.travel());
   updatePositions();
+}
+
+void CondensedRobot::imitate(const CondensedRobot& other) {
+  place(other);
+  contact_force_ = other.contact_force_;
+  contact_stiffness_ = other.contact_stiffness_;
 }
 
 void CondensedRobot::updatePositions() {
@@ -190,17 +196,14 @@ void CondensedRobot::addContacts(const ContactFinder& finder) {
   }
 }
 
+void CondensedRobot::shiftGaps(const ContactFinder& finder) {
+  for (int i = 0; i < contacts(); ++i) gap_[i] += finder.calcGapShift(i);
+}
+
 void CondensedRobot::condense(StageTimes& times) {
   const StageTimer timer(times.compliance);
-  SparseCholesky& cholesky = body_.cholesky();
-  const auto place = [&cholesky](int i) { return cholesky.permuted(i); };
-  half_.leftCols(rows() + 1).setZero();
-  for (int i = 0; i < rows(); ++i) rows_.scatter(i, place, half_.col(i).data());
-  for (int i = 0; i < cholesky.size(); ++i) half_(place(i), rows()) = body_.load()[i];
-  cholesky.forwardSolve(half_, rows() + 1);
-  const auto Y = half_.leftCols(rows());
-  compliance_.topLeftCorner(rows(), rows()).noalias() = Y.transpose() * Y;
-  free_motion_.head(rows()).noalias() = Y.transpose() * half_.col(rows());
+  body_.cholesky().condense(rows_.blocks(), body_.load(), compliance_.topLeftCorner(rows(), rows()),
+                            free_motion_.head(rows()));
   if (robot_->hasCarrier()) condenseCarrier();
 }
 
@@ -226,14 +229,13 @@ double CondensedRobot::calcCarrierMotion(const VecX& effort_change, const Eigen:
 double CondensedRobot::advance(const VecX& effort_change, const Eigen::Ref<const VecX>& contact_force,
                                double max_node_step, StageTimes& times) {
   const StageTimer timer(times.advance);
-  half_motion_ = half_.col(rows());
-  half_motion_.noalias() += half_.leftCols(actuators_) * effort_change;
-  half_motion_.noalias() += half_.middleCols(firstContact(), contacts()) * contact_force;
+  row_force_.head(actuators_) = effort_change;
+  row_force_.segment(firstContact(), contacts()) = contact_force;
   contact_force_.setZero();
   for (int i = 0; i < contacts(); ++i) rows_.addTransposed(firstContact() + i, contact_force[i], contact_force_);
   contact_stiffness_.clear();
   if (contacts() > 0) contact_stiffness_.update(*finder_, contact_force, positions());
-  body_.cholesky().backwardSolve(half_motion_, motion_);
+  body_.cholesky().calcMotion(row_force_, motion_);
 
   const double travel = calcCarrierMotion(effort_change, contact_force);
   const double carried = robot_->maxContacts() > 0 ? std::abs(travel) : 0;  // alone, the carrier deforms nothing

@@ -12,6 +12,8 @@ namespace {
 constexpr double kEnergy = 1e-6;
 constexpr double kRegularisation = 1e-8;
 
+constexpr int kHurriedElasticRestarts = 4;  // where nothing else is explored
+
 constexpr double kCarrierForce = 1e4;  // N, more than any contact asks of the drive: proofs want bounded unknowns
 
 QpccSizes makeSizes(const RobotModel& robot, int max_effector_rows) {
@@ -106,24 +108,30 @@ void ContactSearch::remember(const ContactList& contacts) {
   known_ = true;
 }
 
-QpccBudget ContactSearch::makeBudget() const {
+QpccBudget ContactSearch::makeBudget(const SearchAllowance& allowance) const {
   using Clock = std::chrono::steady_clock;
   const ControlDescription& control = robot_.description().control;
   QpccBudget budget;
   budget.max_pieces = control.max_pieces;
   budget.max_nodes = control.max_nodes;
-  if (control.search_time > 0) {
-    const std::chrono::duration<double> time(control.search_time);
-    budget.deadline = Clock::now() + std::chrono::duration_cast<Clock::duration>(time);
+  if (!allowance.explores) {
+    budget.max_nodes = budget.restarts = 0;
+    budget.elastic_restarts = kHurriedElasticRestarts;
+  }
+  for (const double seconds : {control.search_time, allowance.time}) {
+    if (seconds <= 0) continue;
+    const auto time = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    budget.deadline = std::min(budget.deadline, Clock::now() + time);
   }
   return budget;
 }
 
 QpccStatus ContactSearch::solve(const CondensedRobot& robot, const ContactList& contacts, const EffectorGoal& goal,
-                                const CycleLimits& limits, const VecX& effort, double damping) {
+                                const CycleLimits& limits, const VecX& effort, double damping,
+                                const SearchAllowance& allowance) {
   gather(robot, goal, limits, effort, damping);
   recall(robot, contacts, effort);
-  const QpccStatus status = solver_.solve(problem_, guess_, makeBudget(), solution_);
+  const QpccStatus status = solver_.solve(problem_, guess_, makeBudget(allowance), solution_);
   if (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) remember(contacts);
   return status;
 }

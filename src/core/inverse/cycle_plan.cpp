@@ -30,7 +30,8 @@ CyclePlan::CyclePlan(const RobotModel& robot)
       contact_gap_(VecX::Zero(robot.maxContacts())),
       last_motion_(VecX::Zero(robot.actuatorCount() + robot.effectorRows())),
       gap_shift_(VecX::Zero(robot.maxContacts())),
-      drift_(VecX::Zero(robot.actuatorCount() + robot.effectorRows())),
+      pushed_(VecX::Zero(robot.actuatorCount() + robot.effectorRows())),
+      drift_(pushed_),
       row_motion_(VecX::Zero(robot.actuatorCount() + robot.effectorRows() + robot.maxContacts())) {}
 
 void CyclePlan::recordStep(double scale) {
@@ -87,13 +88,14 @@ double CyclePlan::gatherGoal(const CondensedRobot& robot, const CycleInput& inpu
   return distance;
 }
 
-bool CyclePlan::searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleLimits& limits,
-                            const VecX& effort, CycleOutput& output) {
+bool CyclePlan::searchPiece(const CondensedRobot& robot, const ContactFinder& finder, const CycleInput& input,
+                            const CycleLimits& limits, const VecX& effort, CycleOutput& output) {
+  const SearchAllowance allowance{input.overload < OverloadLevel::kNoExploration, input.search_time};
   const double damping = calcDamping(output.goal_scale);
-  QpccStatus status = search_.solve(robot, finder.list(), goal_, limits, effort, damping);
+  QpccStatus status = search_.solve(robot, finder.list(), goal_, limits, effort, damping, allowance);
   if (status != QpccStatus::kSolved && goal_.held > 0) {
     goal_.firm = false;
-    status = search_.solve(robot, finder.list(), goal_, limits, effort, damping);
+    status = search_.solve(robot, finder.list(), goal_, limits, effort, damping, allowance);
   }
   const QpccSolution& found = search_.solution();
   output.contacts.proved_global = found.proved_global;
@@ -104,13 +106,17 @@ bool CyclePlan::searchPiece(const CondensedRobot& robot, const ContactFinder& fi
   return (status == QpccStatus::kSolved || status == QpccStatus::kGivenWay) && piece_.reduce(robot, found.active);
 }
 
-// How far the rows would move with efforts as they are, the moving of obstacles apart: what the last step left.
-double CyclePlan::calcDrift(const CondensedRobot& robot, const ContactFinder& finder) {
+// With efforts as they are the rows would move by what moving obstacles ask for, and by what the last step left.
+void CyclePlan::updateDamping(const CondensedRobot& robot, const ContactFinder& finder) {
+  if (pressed_ && contacts_ == 0) {  // what held the body is gone: no fault of the last step
+    damping_.update(0, 0);
+    return;
+  }
   for (int i = 0; i < contacts_; ++i) gap_shift_[i] = finder.calcGapShift(i);
-  piece_.calcResponse(gap_shift_, drift_);
-  drift_ = piece_.value().head(drift_.size()) - drift_;
+  piece_.calcResponse(gap_shift_, pushed_);
+  drift_ = piece_.value().head(drift_.size()) - pushed_;
   drift_.head(robot.actuators()) -= robot.displacement();
-  return drift_.norm();
+  damping_.update(drift_.norm(), pushed_.norm());
 }
 
 double CyclePlan::calcDamping(double goal_scale) const {
@@ -178,11 +184,10 @@ HoldReason CyclePlan::make(const CondensedRobot& robot, const ContactFinder& fin
   contacts_ = robot.contacts();
   if (contacts_ == 0) {
     piece_.reduce(robot, none_pressing_);
-  } else if (!searchPiece(robot, finder, limits, effort, output)) {
+  } else if (!searchPiece(robot, finder, input, limits, effort, output)) {
     return HoldReason::kQpFailed;
   }
-  const bool let_go = pressed_ && contacts_ == 0;  // what held the body is gone: no fault of the last step
-  damping_.update(let_go ? 0 : calcDrift(robot, finder));
+  if (!output.repeats) updateDamping(robot, finder);
   gatherProblem(robot, effort, output.goal_scale);
   if (contacts_ > 0) allowSearched();
   if (!solveProblem(limits, output)) return HoldReason::kQpFailed;

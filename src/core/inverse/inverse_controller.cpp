@@ -37,6 +37,8 @@ void clearReport(CycleOutput& output) {
   output.contacts.crowded = false;
   output.goal_scale = 1;
   output.holds = true;
+  output.repeats = false;
+  output.linearisation_age = 0;
 }
 
 ContactFinder* activeOrNull(ContactFinder& finder) {
@@ -75,11 +77,52 @@ struct MovingBody {
   }
 };
 
+// The robot linearised where it stood, and condensed to its constraints with the contacts that it had there.
+struct Linearisation {
+  CondensedRobot condensed;
+  ContactFinder finder;
+  VecX effort;           // N, total, that it was linearised with
+  bool answers = false;  // condensed, in the configuration in which the present step began
+  bool repeats = false;  // has answered a cycle
+  int age = 0;           // cycles
+
+  explicit Linearisation(const std::shared_ptr<const RobotModel>& robot)
+      : condensed(robot), finder(*robot), effort(VecX::Zero(robot->actuatorCount())) {}
+
+  void begin(const VecX& present_effort) {
+    effort = present_effort;
+    answers = repeats = false;
+    age = 0;
+  }
+
+  HoldReason factorise(StageTimes& times) {
+    condensed.linearise(effort, StepRule(), times);
+    if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
+    return condensed.factorise(times) ? HoldReason::kNone : HoldReason::kNotPositiveDefinite;
+  }
+
+  void condense(StageTimes& times) {
+    if (finder.active()) {
+      finder.find(condensed.positions(), times);
+      condensed.addContacts(finder);
+    }
+    condensed.condense(times);
+    answers = true;
+  }
+
+  // To where the linear problem holds; only the obstacles have moved on.
+  void recall() {
+    condensed.abandonStep();
+    condensed.shiftGaps(finder);
+  }
+};
+
 struct InverseController::Impl {
   std::shared_ptr<const RobotModel> robot;
-  CondensedRobot condensed;
-  std::unique_ptr<MovingBody> moving;  // of a dynamic robot
-  ContactFinder finder;
+  std::unique_ptr<Linearisation> now;
+  std::unique_ptr<Linearisation> spare;  // being renewed
+  std::unique_ptr<MovingBody> moving;    // of a dynamic robot
+  bool moving_waits = false;             // for want of time: the plan is shown in its place
   ForwardStep forward;
   CyclePlan plan;
   CycleLimits limits;
@@ -89,12 +132,12 @@ struct InverseController::Impl {
   VecX cycle_start;          // m, what the rates of this cycle count from
   VecX linear_displacement;  // m, actuators as the linear problem moves them
   VecX last_valid_effort;
-  bool prepared = false;  // `condensed` holds the linear problem of the next step
+  bool prepared = false;  // `now` holds the factor of the next step
+  bool renewing = false;  // `spare` is to take its place
 
   explicit Impl(std::shared_ptr<const RobotModel> model)
       : robot(model),
-        condensed(model),
-        finder(*model),
+        now(std::make_unique<Linearisation>(model)),
         forward(*model),
         plan(*model),
         limits(model->actuatorCount()),
@@ -108,7 +151,7 @@ struct InverseController::Impl {
     if (model->description().control.model == MotionModel::kDynamic) moving = std::make_unique<MovingBody>(model);
   }
 
-  const CondensedRobot& shown() const { return moving ? moving->condensed : condensed; }
+  const CondensedRobot& shown() const { return moving && !moving_waits ? moving->condensed : now->condensed; }
   const std::vector<Vec3>& positions() const { return shown().positions(); }
 
   int actuators() const { return robot->actuatorCount(); }
@@ -146,33 +189,46 @@ struct InverseController::Impl {
   }
 
   HoldReason factorise(StageTimes& times) {
-    condensed.linearise(effort, StepRule(), times);
-    if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
-    return condensed.factorise(times) ? HoldReason::kNone : HoldReason::kNotPositiveDefinite;
+    renewing = false;
+    now->begin(effort);
+    return now->factorise(times);
   }
 
-  HoldReason newtonStep(const CycleInput& input, CycleOutput& output) {
-    HoldReason reason = prepared ? HoldReason::kNone : factorise(output.times);
+  HoldReason linearise(StageTimes& times) {
+    const HoldReason reason = prepared ? HoldReason::kNone : factorise(times);
     prepared = false;
-    if (reason != HoldReason::kNone) return reason;
-    if (finder.active()) {
-      finder.find(condensed.positions(), output.times);
-      condensed.addContacts(finder);
-    }
-    condensed.condense(output.times);
+    now->age = 0;
+    if (reason == HoldReason::kNone) now->condense(times);
+    return reason;
+  }
+
+  bool sharesLinearisation(const CycleInput& input) const {
+    return input.overload == OverloadLevel::kSharedLinearisation && now->answers;
+  }
+
+  void recallLinearisation(CycleOutput& output) {
+    now->recall();
+    effort = now->effort;
+    output.repeats = now->repeats;
+    output.linearisation_age = now->age;
+  }
+
+  HoldReason answer(const CycleInput& input, CycleOutput& output) {
+    HoldReason reason;
     {
       const StageTimer timer(output.times.qp);
-      reason = plan.make(condensed, finder, input, limits, effort, output);
+      reason = plan.make(now->condensed, now->finder, input, limits, effort, output);
     }
     if (reason != HoldReason::kNone) return reason;
 
     const double scale =
-        condensed.advance(plan.effortChange(), plan.contactForce(), robot->maxNodeStep(), output.times);
-    condensed.updateEffort(plan.effortChange(), plan.contactForce(), scale, effort);
-    plan.recordStep(scale);
-    linear_displacement = condensed.displacement() + scale * plan.actuatorMotion();
-    output.contacts.force.head(condensed.contacts()) = plan.contactForce();
-    output.contacts.gap.head(condensed.contacts()) = plan.contactGap();
+        now->condensed.advance(plan.effortChange(), plan.contactForce(), robot->maxNodeStep(), output.times);
+    now->condensed.updateEffort(plan.effortChange(), plan.contactForce(), scale, effort);
+    if (!output.repeats) plan.recordStep(scale);
+    now->repeats = true;
+    linear_displacement = now->condensed.displacement() + scale * plan.actuatorMotion();
+    output.contacts.force.head(now->condensed.contacts()) = plan.contactForce();
+    output.contacts.gap.head(now->condensed.contacts()) = plan.contactGap();
     return linear_displacement.allFinite() && effort.allFinite() ? HoldReason::kNone : HoldReason::kNotFinite;
   }
 
@@ -187,11 +243,11 @@ struct InverseController::Impl {
       for (int k = 0; k < effector.rowCount(); ++k) squared += error[k] * error[k];
     }
     output.effector_error = std::sqrt(squared);
-    output.residual = condensed.residual();
-    output.residual_relative = output.residual / std::max(condensed.loadNorm(), 1e-300);
+    output.residual = now->condensed.residual();
+    output.residual_relative = output.residual / std::max(now->condensed.loadNorm(), 1e-300);
     output.displacement = command;
     output.effort = effort;
-    output.contacts.count = finder.list().size();
+    output.contacts.count = now->finder.list().size();
   }
 
   void reportLimits(CycleOutput& output) {
@@ -225,12 +281,17 @@ struct InverseController::Impl {
 
   // The model stands still with its cables held, and the command repeats the last valid one.
   CycleStatus hold(const CycleInput& input, HoldReason reason, CycleOutput& output) {
-    effort = last_valid_effort;
+    effort = sharesLinearisation(input) ? now->effort : last_valid_effort;
     output.status = CycleStatus::kHeld;
     output.reason = reason;
     reportState(input, output);
     reportLimits(output);
     return output.status;
+  }
+
+  void countAge() {
+    ++now->age;
+    if (renewing) ++spare->age;
   }
 
   bool anyTarget(const CycleInput& input) const {
@@ -240,19 +301,47 @@ struct InverseController::Impl {
   // Ends a cycle whose plan stands: the dynamic body, where there is one, goes after the command.
   CycleStatus finish(const CycleInput& input, CycleStatus status, CycleOutput& output) {
     if (moving) {
-      const ForwardStatus moved = moving->follow(command, input.period, output.times);
+      const ForwardStatus moved = moveBody(input, output);
       if (moved != ForwardStatus::kSolved) return hold(input, reasonOf(moved), output);
     }
-    output.status = status;
+    output.status =
+        status == CycleStatus::kSolved && input.overload != OverloadLevel::kNone ? CycleStatus::kDegraded : status;
     output.reason = HoldReason::kNone;
     reportState(input, output);
     reportLimits(output);
-    return status;
+    return output.status;
+  }
+
+  // Waiting, it is where the plan is when its time comes, and at rest.
+  ForwardStatus moveBody(const CycleInput& input, CycleOutput& output) {
+    const bool waited = moving_waits;
+    moving_waits = input.overload == OverloadLevel::kSharedLinearisation;
+    if (moving_waits) return ForwardStatus::kSolved;
+    if (waited) moving->place(now->condensed, effort);
+    return moving->follow(command, input.period, output.times);
   }
 
   void see(const std::vector<ObstacleState>& obstacles) {
-    finder.setObstacles(obstacles);
+    now->finder.setObstacles(obstacles);
     if (moving) moving->finder.setObstacles(obstacles);
+  }
+
+  HoldReason repeatStep(const CycleInput& input, CycleOutput& output) {
+    recallLinearisation(output);
+    return answer(input, output);
+  }
+
+  HoldReason newtonSteps(const CycleInput& input, CycleOutput& output) {
+    const int steps = input.overload == OverloadLevel::kNone ? robot->description().control.newton_steps : 1;
+    now->condensed.beginStep();
+    HoldReason reason = HoldReason::kNone;
+    while (output.newton_steps < steps && reason == HoldReason::kNone) {
+      reason = linearise(output.times);
+      if (reason == HoldReason::kNone) reason = answer(input, output);
+      output.newton_steps += reason == HoldReason::kNone;
+    }
+    now->answers = steps == 1 && reason == HoldReason::kNone;
+    return reason;
   }
 
   CycleStatus track(const CycleInput& input, CycleOutput& output) {
@@ -260,22 +349,50 @@ struct InverseController::Impl {
     cycle_start = command;
     last_valid_effort = effort;
     updateLimits(input);
-    condensed.beginStep();
-    bool gave_way = false;
-    for (int k = 0; k < robot->description().control.newton_steps; ++k) {
-      const HoldReason reason = newtonStep(input, output);
-      if (reason != HoldReason::kNone) {
-        condensed.abandonStep();
-        return hold(input, reason, output);
-      }
-      ++output.newton_steps;
-      output.holds = plan.holds();
-      output.contacts.crowded = finder.crowded();
-      gave_way = plan.effortViolation().maxCoeff() > kOnLimit || !output.holds || output.contacts.crowded;
+    const HoldReason reason = sharesLinearisation(input) ? repeatStep(input, output) : newtonSteps(input, output);
+    if (reason != HoldReason::kNone) {
+      now->condensed.abandonStep();
+      return hold(input, reason, output);
     }
+    output.holds = plan.holds();
+    output.contacts.crowded = now->finder.crowded();
+    const bool gave_way = plan.effortViolation().maxCoeff() > kOnLimit || !output.holds || output.contacts.crowded;
     // Rounding must not carry a command past a hard limit.
     command = linear_displacement.cwiseMax(limits.displacement_min).cwiseMin(limits.displacement_max);
     return finish(input, gave_way ? CycleStatus::kDegraded : CycleStatus::kSolved, output);
+  }
+
+  ForwardStatus repeatForwardStep(CycleOutput& output) {
+    recallLinearisation(output);
+    now->repeats = true;
+    return forward.move(held, now->condensed, effort, output.times);
+  }
+
+  ForwardStatus forwardStep(CycleOutput& output) {
+    renewing = false;
+    now->begin(effort);
+    const ForwardStatus status =
+        forward.step(held, StepRule(), activeOrNull(now->finder), now->condensed, effort, output.times);
+    now->answers = now->repeats = status == ForwardStatus::kSolved;
+    return status;
+  }
+
+  void beginRenewal() {
+    spare->condensed.imitate(now->condensed);
+    spare->finder.setObstacles(now->finder.obstacles());
+    spare->begin(effort);
+    renewing = true;
+  }
+
+  // One that failed leaves its failure to the next step, which linearises by itself.
+  void endRenewal() {
+    if (!renewing) return;
+    renewing = false;
+    if (spare->answers) {
+      std::swap(now, spare);
+    } else {
+      now->answers = false;
+    }
   }
 
   CycleStatus follow(const CycleInput& input, const VecX& displacement, CycleOutput& output) {
@@ -290,14 +407,14 @@ struct InverseController::Impl {
     last_valid_effort = effort;
     cycle_start = held.value;
     updateLimits(input);
-    const ForwardStatus status = forward.step(held, StepRule(), activeOrNull(finder), condensed, effort, output.times);
+    const ForwardStatus status = sharesLinearisation(input) ? repeatForwardStep(output) : forwardStep(output);
     plan.forget();
     output.qp_iterations = forward.qpIterations();
     output.newton_steps = 1;
-    output.contacts.force.head(condensed.contacts()) = forward.contactForce();
-    output.contacts.gap.head(condensed.contacts()) = condensed.gap();
+    output.contacts.force.head(now->condensed.contacts()) = forward.contactForce();
+    output.contacts.gap.head(now->condensed.contacts()) = now->condensed.gap();
     if (status != ForwardStatus::kSolved) {
-      condensed.abandonStep();
+      now->condensed.abandonStep();
       return hold(input, reasonOf(status), output);
     }
     command = held.value;
@@ -307,7 +424,7 @@ struct InverseController::Impl {
   double distanceTo(const VecX& measured) const {
     double worst = 0;
     VecX modelled(actuators());
-    condensed.calcDisplacement(modelled);
+    now->condensed.calcDisplacement(modelled);
     for (int i = 0; i < actuators(); ++i) {
       const double excess = modelled[i] - measured[i];
       const bool taut = !std::isfinite(forward.effortMin()[i]) ||
@@ -349,8 +466,28 @@ void InverseController::prepare(CycleOutput& output) {
   impl_->prepared = impl_->factorise(output.times) == HoldReason::kNone;
 }
 
+void InverseController::makeSpare() {
+  impl_->spare = std::make_unique<Linearisation>(impl_->robot);
+}
+
+void InverseController::beginRenewal() {
+  impl_->beginRenewal();
+}
+
+void InverseController::renew(StageTimes& times) {
+  const StageTimer timer(times.cycle);
+  Linearisation& spare = *impl_->spare;
+  if (spare.factorise(times) == HoldReason::kNone) spare.condense(times);
+}
+
+void InverseController::endRenewal() {
+  impl_->endRenewal();
+}
+
 CycleStatus InverseController::step(const CycleInput& input, CycleOutput& output) {
   clearReport(output);
+  output.overload = input.overload;
+  impl_->countAge();
   const StageTimer timer(output.times.cycle);
   if (!impl_->validInput(input)) {
     output.status = CycleStatus::kHeld;
@@ -378,37 +515,37 @@ double InverseController::resynchronise(const VecX& measured) {
   Impl& impl = *impl_;
   const double failed = std::numeric_limits<double>::infinity();
   if (measured.size() != impl.actuators() || !measured.allFinite()) return failed;
-  impl.prepared = false;
+  impl.prepared = impl.renewing = impl.now->answers = false;
   VecX start(impl.actuators());
-  impl.condensed.calcDisplacement(start);
+  impl.now->condensed.calcDisplacement(start);
   const int steps = 1 + static_cast<int>((measured - start).cwiseAbs().maxCoeff() / kSyncStep);
   StageTimes times;
   for (int k = 1; k <= steps; ++k) {
     impl.held.value = start + (measured - start) * k / steps;
     const double tolerance = k < steps ? 1e-3 : kSyncTolerance;
-    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, activeOrNull(impl.finder), impl.condensed,
+    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, activeOrNull(impl.now->finder), impl.now->condensed,
                             impl.effort, times) != ForwardStatus::kSolved) {
       return failed;
     }
   }
   impl.command = measured;
-  if (impl.moving) impl.moving->place(impl.condensed, impl.effort);
+  if (impl.moving) impl.moving->place(impl.now->condensed, impl.effort);
   impl.plan.forget();
   return impl.distanceTo(measured);
 }
 
 void InverseController::reset() {
-  impl_->prepared = false;
-  impl_->condensed.reset();
+  impl_->prepared = impl_->renewing = impl_->now->answers = false;
+  impl_->now->condensed.reset();
   impl_->effort.setZero();
-  if (impl_->moving) impl_->moving->place(impl_->condensed, impl_->effort);
+  if (impl_->moving) impl_->moving->place(impl_->now->condensed, impl_->effort);
   impl_->command.setZero();
   impl_->last_valid_effort.setZero();
   impl_->plan.forget();
 }
 
 const ContactList& InverseController::contacts() const {
-  return impl_->finder.list();
+  return impl_->now->finder.list();
 }
 
 const ContactSearch& InverseController::contactSearch() const {

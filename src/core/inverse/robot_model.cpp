@@ -188,7 +188,8 @@ RobotModel::RobotModel(const RobotDescription& description, const TetMesh& mesh)
       couplings.push_back(SegmentStiffness::coupledNodes(before, via_points.back()[i]));
     }
   }
-  fem_ = std::make_unique<FemModel>(mesh_, makeMaterials(description, mesh_), fixed, couplings);
+  fem_ = std::make_unique<FemModel>(mesh_, makeMaterials(description, mesh_), fixed, couplings,
+                                    description.control.threads);
   for (std::size_t c = 0; c < description.cables.size(); ++c) {
     requireMovable(description, *fem_, join("cables[", c, "].via_points"), via_points[c]);
     cables_.emplace_back(description.cables[c], *fem_, via_points[c]);
