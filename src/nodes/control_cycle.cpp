@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kSessionGrace = 0.5;  // s until the driver has to have taken up the session
 constexpr double kSearchShare = 0.4;   // of a period, for the search among contacts
+constexpr double kCostGain = 0.1;      // of the newest renewal in the mean
 constexpr int kRenewalCycles = 2;      // at least so many share a linearisation, which leaves the processor to others
 
 std::vector<std::string> makeLostWords(const RobotModel& robot) {
@@ -17,6 +18,11 @@ std::vector<std::string> makeLostWords(const RobotModel& robot) {
     words.push_back("held: obstacle '" + obstacle.name + "' is lost, its tracker is silent");
   }
   return words;
+}
+
+OverloadLadder::Settings adaptTo(const RobotModel& robot, OverloadLadder::Settings settings) {
+  settings.useful = {{true, robot.description().control.newton_steps > 1, robot.maxContacts() > 0, true}};
+  return settings;
 }
 
 std::uint64_t calcDivider(double rate, double wanted) {
@@ -48,7 +54,7 @@ ControlCycle::ControlCycle(const ControlSettings& settings, std::shared_ptr<cons
       publisher_(publisher),
       body_(body),
       renewal_(session.controller),
-      ladder_(settings.overload),
+      ladder_(adaptTo(*robot_, settings.overload)),
       lost_words_(makeLostWords(*robot_)),
       period_(settings.period()),
       body_divider_(calcDivider(settings.rate, settings.body_state_rate)) {
@@ -235,6 +241,8 @@ void ControlCycle::linearise(bool enabled) {
   }
   if (since_renewal_ < kRenewalCycles || !renewal_.idle()) return;
   since_renewal_ = 0;
+  const double cost = renewal_.cost();
+  if (cost >= 0) renewal_cost_ = renewal_cost_ < 0 ? cost : renewal_cost_ + kCostGain * (cost - renewal_cost_);
   session_.controller.beginRenewal();
   renewal_.start();
 }
@@ -245,8 +253,7 @@ void ControlCycle::updateLevel(double taken) {
   const ControlDescription& control = robot_->description().control;
   if (ladder_.level() == OverloadLevel::kSharedLinearisation) {
     const double bodies = control.model == MotionModel::kDynamic ? 2 : 1;
-    if (renewal_.idle() && renewal_.cost() >= 0) renewal_cost_ = renewal_.cost();
-    cost.spared = bodies * renewal_cost_;
+    cost.spared = renewal_cost_ < 0 ? settings_.period() : bodies * renewal_cost_;  // unknown: too much
   } else if (ladder_.level() == OverloadLevel::kOneNewtonStep) {
     cost.spared = (control.newton_steps - 1) * taken;
   }

@@ -77,8 +77,8 @@ class ControlCycle {
   double answered_ = 0;                  // s after it was due, when the cycle's command was handed over
   std::uint64_t cycle_ = 0;
   std::uint64_t body_divider_;
-  int since_renewal_ = 0;      // cycles since the last one was begun
-  double renewal_cost_ = 1e9;  // s of the processor; nobody knows before the first
+  int since_renewal_ = 0;     // cycles since the last one was begun
+  double renewal_cost_ = -1;  // s of the processor, mean of the last ones; negative before the first
   std::uint8_t status_ = ControllerState::DISABLED;
   const char* reason_ = "";
   std::atomic<bool> stop_{false};

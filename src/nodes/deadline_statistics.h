@@ -8,8 +8,6 @@
 
 namespace sinew {
 
-constexpr int kOverloadLevels = static_cast<int>(kHighestOverload) + 1;
-
 /// How well commands keep their deadline, the end of their cycle's period. Sized at set-up.
 class DeadlineStatistics {
  public:

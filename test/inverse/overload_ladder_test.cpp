@@ -123,6 +123,20 @@ TEST_F(LadderTest, givesWayInTwoCyclesFromAnywhere) {
   }
 }
 
+TEST_F(LadderTest, passesOverLevelsOfNoUse) {
+  OverloadLadder::Settings settings = makeSettings();
+  settings.useful = {{true, false, false, true}};
+  ladder = OverloadLadder(settings);
+  EXPECT_EQ(countCyclesUntil(Level::kNoExploration, 0.5), kLong) << "it never stands there";
+  EXPECT_EQ(ladder.level(), Level::kNone);
+  EXPECT_EQ(feed(0.86, 2), Level::kSharedLinearisation);
+  settings.useful = {{true, false, true, true}};
+  ladder = OverloadLadder(settings);
+  comeDown();
+  EXPECT_EQ(feed(0.86, 2), Level::kNoExploration);
+  EXPECT_EQ(feed(0.86, 2), Level::kSharedLinearisation);
+}
+
 TEST_F(LadderTest, isDeterministic) {
   OverloadLadder other(makeSettings());
   std::mt19937 random(3);

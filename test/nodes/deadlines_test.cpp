@@ -127,11 +127,11 @@ void printJitter(const char* who, const std::vector<double>& periods, double rat
 }
 
 void expectDeadlinesKept(const Line& line, const ControlLoop& control, double rate) {
-  const double work = calcQuantile(line.cycles, 0.5);
+  const double work = calcQuantile(line.cycles, 0.99);  // the loop is given as long once it is awake
   const auto allowed = static_cast<double>(control.countMisses(work));
   std::printf(
       "cycle p50 %.3f, p99 %.3f, at most %.3f ms; at levels 0 to 3: %lu %lu %lu %lu cycles; oldest %lu cycles\n",
-      1e3 * work, 1e3 * calcQuantile(line.cycles, 0.99), 1e3 * calcQuantile(line.cycles, 1), line.levels[0],
+      1e3 * calcQuantile(line.cycles, 0.5), 1e3 * work, 1e3 * calcQuantile(line.cycles, 1), line.levels[0],
       line.levels[1], line.levels[2], line.levels[3], line.oldest);
   printJitter("controller", line.periods, rate);
   printJitter("control loop", control.periods(), rate);

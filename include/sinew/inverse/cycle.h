@@ -24,6 +24,7 @@ enum class OverloadLevel {
   kSharedLinearisation  ///< cycles share a linearisation, its contacts among it, see `InverseController::renew`
 };
 constexpr OverloadLevel kHighestOverload = OverloadLevel::kSharedLinearisation;
+constexpr int kOverloadLevels = static_cast<int>(kHighestOverload) + 1;
 
 enum class HoldReason { kNone, kNotFinite, kNotPositiveDefinite, kQpFailed };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "sinew/inverse/cycle.h"
 
 namespace sinew {
@@ -17,9 +19,11 @@ struct CycleCost {
 class OverloadLadder {
  public:
   struct Settings {
-    double above = 0.85;    ///< 1, share of the period; cycles that take more go up
-    double below = 0.6;     ///< 1, share of the period; cycles that would take less go down
+    double above = 0.9;     ///< 1, share of the period; cycles that take more go up
+    double below = 0.75;    ///< 1, share of the period; cycles that would take less go down
     double recovery = 0.5;  ///< s, for which they have to
+    /// By level: whether it leaves anything out with the robot at hand; others are passed over. Ends are always used.
+    std::array<bool, kOverloadLevels> useful = {{true, true, true, true}};
   };
 
   /// At first it stands at the top: nobody knows yet what a cycle costs.
@@ -30,6 +34,7 @@ class OverloadLadder {
   OverloadLevel level() const { return level_; }
 
  private:
+  OverloadLevel next(int direction) const;
   void climb(OverloadLevel level);
   void descend();
   double patience() const { return settings_.recovery * doublings_; }

@@ -55,6 +55,7 @@ class SupernodalCholesky : public SparseCholesky {
   void substitute(Share& share, const std::vector<int>& panels, Groups groups);
   void multiply(Share& share, const std::vector<int>& panels);
   void joinTrunk(int member);
+  void gather(Eigen::Ref<MatX> compliance, Eigen::Ref<VecX> motion);
   void substituteBackward(const std::vector<int>& panels, Share& share, double* x);
   int groupCount() const { return (rows_ + group_) / group_; }  // with the load's
   Groups groupOf(int place) const { return Groups{1} << static_cast<unsigned>(place / group_); }

@@ -8,11 +8,18 @@ namespace {
 constexpr int kTightCycles = 2;      // in a row; one alone is the machine's doing
 constexpr double kMostPatient = 64;  // times the recovery time
 
-OverloadLevel next(OverloadLevel level, int steps) {
-  return static_cast<OverloadLevel>(static_cast<int>(level) + steps);
-}
-
 }  // namespace
+
+/// The nearest useful level up (1) or down (-1).
+OverloadLevel OverloadLadder::next(int direction) const {
+  const int last = direction > 0 ? kOverloadLevels - 1 : 0;
+  int level = static_cast<int>(level_);
+  while (level != last) {
+    level += direction;
+    if (settings_.useful[static_cast<std::size_t>(level)]) break;
+  }
+  return static_cast<OverloadLevel>(level);
+}
 
 OverloadLevel OverloadLadder::update(const CycleCost& cost, double period) {
   since_descent_ += period;
@@ -22,7 +29,7 @@ OverloadLevel OverloadLadder::update(const CycleCost& cost, double period) {
   tight_ = tight ? tight_ + 1 : 0;
   easy_ = cost.taken + cost.spared < settings_.below * period ? easy_ + period : 0;
   if (tight_ >= kTightCycles) {
-    climb(outlasted_ ? kHighestOverload : next(level_, 1));
+    climb(outlasted_ ? kHighestOverload : next(1));
   } else if (easy_ > patience()) {
     descend();
   }
@@ -40,7 +47,7 @@ void OverloadLadder::descend() {
   easy_ = 0;
   if (level_ == OverloadLevel::kNone) return;
   since_descent_ = 0;
-  level_ = next(level_, -1);
+  level_ = next(-1);
 }
 
 }  // namespace sinew

@@ -133,11 +133,13 @@ void SupernodalCholesky::clear(Share& share, const std::vector<int>& panels) {
   for (const int p : panels) {
     const Panel& panel = pattern_->panels()[p];
     const Groups used = active_[p] | was_active_[p];
-    for (int c = 0; c < panel.columns(); ++c) {
-      double* column = share.column(3 * panel.first + c, half_stride_);
-      for (int begin = 0; begin < half_stride_; begin += group_) {
-        if ((used & groupOf(begin)) != 0) std::fill_n(column + begin, std::min(group_, half_stride_ - begin), 0.0);
+    double* first = share.column(3 * panel.first, half_stride_);
+    for (int begin = 0, end = 0; begin < half_stride_; begin = end + group_) {  // runs of used groups
+      for (end = begin; end < half_stride_ && (used & groupOf(end)) != 0; end += group_) {
       }
+      const int length = std::min(end, half_stride_) - begin;
+      for (int c = 0; c < panel.columns() && length > 0; ++c)
+        std::fill_n(first + c * half_stride_ + begin, length, 0.0);
     }
   }
 }
@@ -228,16 +230,25 @@ void SupernodalCholesky::condense(const BlockRows& H, const VecX& load, Eigen::R
     team_.run([&](int member) { joinTrunk(member); });
     team_.run([&](int member) { multiply(shares_[member], trunk_shares_[member]); });
   }
-  const auto gram = [this](int low, int high) {
-    double sum = 0;
-    for (const Share& share : shares_) sum += share.gram[static_cast<std::size_t>(low * half_stride_ + high)];
-    return sum;
-  };
-  for (int j = 0; j < rows_; ++j) {
-    motion[j] = -gram(0, place_[j]);
-    for (int i = j; i < rows_; ++i) {
-      const auto [low, high] = std::minmax(place_[i], place_[j]);
-      compliance(i, j) = compliance(j, i) = -gram(low, high);
+  gather(compliance, motion);
+}
+
+// The sum of the threads' products, back in the order of the rows.
+void SupernodalCholesky::gather(Eigen::Ref<MatX> compliance, Eigen::Ref<VecX> motion) {
+  for (int low = 0; low <= rows_; ++low) {
+    double* column = shares_.front().gram.data() + low * half_stride_;
+    for (std::size_t t = 1; t < shares_.size(); ++t) {
+      const double* other = shares_[t].gram.data() + low * half_stride_;
+      for (int high = low; high <= rows_; ++high) column[high] += other[high];
+    }
+    for (int high = std::max(low, 1); high <= rows_; ++high) {
+      const int row = keys_[high - 1].row;
+      if (low == 0) {
+        motion[row] = -column[high];
+      } else {
+        const int other = keys_[low - 1].row;
+        compliance(row, other) = compliance(other, row) = -column[high];
+      }
     }
   }
 }
