@@ -19,7 +19,7 @@ void pinToOneCore() {
 }
 
 void rest(double worked) {
-  std::this_thread::sleep_for(std::chrono::duration<double>(worked));
+  std::this_thread::sleep_for(std::chrono::duration<double>(0.1 * worked));
 }
 
 int calcMedian(std::vector<int> values) {

@@ -8,7 +8,7 @@ namespace sinew {
 /// allowed.
 void pinToOneCore();
 
-/// Sleeps as long as the work [s] took: the kernel stops real-time threads that never do.
+/// Sleeps a tenth as long as the work [s] took: the kernel stops real-time threads that never do.
 void rest(double worked);
 
 /// The middle one; the lower of two. 0 without any.

@@ -9,7 +9,7 @@ DIRECTLY_BELOW = {
     "linalg": ("common",),
     "mesh": ("common",),
     "contact": ("mesh",),
-    "solver": ("common",),
+    "solver": ("linalg",),
     "robot": ("common",),
     "fem": ("linalg", "mesh"),
     "body": ("fem",),

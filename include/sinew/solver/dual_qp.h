@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "sinew/common/types.h"
+#include "sinew/solver/dense_kernels.h"
 
 namespace sinew {
 
@@ -41,7 +42,7 @@ class DualQp {
  public:
   enum class Outcome { kOptimal, kInfeasible, kCutOff, kInterrupted, kFailed };
 
-  DualQp(int max_unknowns, int max_rows);
+  DualQp(int max_unknowns, int max_rows, InstructionSet set = chooseInstructionSet());
 
   /// Starts from the unconstrained minimiser. False if G is not safely positive definite, or if interrupted.
   bool start(const Eigen::Ref<const MatX>& G, const Eigen::Ref<const VecX>& g, QpInterruption* interruption = nullptr);
@@ -94,6 +95,9 @@ class DualQp {
   void append(int limit, double sign, double dual, bool fixed);
   void remove(int position);
 
+  int stride() const { return static_cast<int>(J_.outerStride()); }
+
+  const DenseKernels* kernels_;
   int unknowns_ = 0, rows_ = 0, count_ = 0, steps_ = 0;
   double value_ = 0;
   MatX J_, R_;

@@ -17,8 +17,9 @@ constexpr double kFlatPivot = 1e-14;   // pivot of G, against its diagonal
 
 }  // namespace
 
-DualQp::DualQp(int max_unknowns, int max_rows)
-    : J_(max_unknowns, max_unknowns),
+DualQp::DualQp(int max_unknowns, int max_rows, InstructionSet set)
+    : kernels_(&denseKernelsOf(set)),
+      J_(max_unknowns, max_unknowns),
       R_(max_unknowns, max_unknowns),
       x_(max_unknowns),
       dual_(max_unknowns),
@@ -68,10 +69,11 @@ bool DualQp::factorise(const Eigen::Ref<const MatX>& G, QpInterruption* interrup
     double pivot = G(own, own);
     auto u = R_.col(j).head(j);
     for (int i = 0; i < j; ++i) u(i) = G(order_[static_cast<std::size_t>(i)], own);
-    for (int k = j + 1; k < unknowns_; ++k) {
-      pivot -= R_(j, k) * R_(j, k);
-      u -= R_(j, k) * R_.col(k).head(j);
-    }
+    const int later = unknowns_ - 1 - j;
+    auto row = direction_.head(later);
+    row = -R_.row(j).segment(j + 1, later).transpose();
+    pivot -= row.squaredNorm();
+    if (later > 0) kernels_->addColumns(&R_(0, j + 1), stride(), j, row.data(), later, u.data());
     if (!(pivot > kFlatPivot * G(own, own))) return false;
     R_(j, j) = std::sqrt(pivot);
     u /= R_(j, j);
@@ -101,7 +103,7 @@ void DualQp::invert(int held) {
 /// Lets go of active limits until no dual is negative, the most negative first; leaves J^T g in projected_.
 void DualQp::release(const Eigen::Ref<const VecX>& g) {
   for (;;) {
-    for (int k = 0; k < unknowns_; ++k) projected_(k) = J_.col(k).head(unknowns_).dot(g);
+    kernels_->multiplyColumns(J_.data(), stride(), unknowns_, g.data(), unknowns_, projected_.data());
     auto u = dual_.head(count_);
     u = projected_.head(count_);
     for (int k = count_ - 1; k >= 0; --k) {
@@ -146,7 +148,8 @@ DualQp::Outcome DualQp::minimise(const QpRows& rows, const QpLimits& limits, dou
 void DualQp::updateValues(const QpRows& rows) {
   auto y = values_.head(rows_);
   y = rows.constant;
-  for (int j = 0; j < unknowns_; ++j) y += x_(j) * rows.matrix.col(j);
+  kernels_->addColumns(rows.matrix.data(), static_cast<int>(rows.matrix.outerStride()), rows_, x_.data(), unknowns_,
+                       values_.data());
   values_.segment(rows_, unknowns_) = x_.head(unknowns_);
 }
 
@@ -188,7 +191,7 @@ void DualQp::project(const QpRows& rows, const Violation& violation) {
   }
   auto normal = direction_.head(n);
   normal = violation.sign * rows.matrix.row(violation.limit).transpose();
-  for (int k = 0; k < n; ++k) d(k) = J_.col(k).head(n).dot(normal);
+  kernels_->multiplyColumns(J_.data(), stride(), n, normal.data(), n, d.data());
 }
 
 void DualQp::calcDirections() {
@@ -196,7 +199,7 @@ void DualQp::calcDirections() {
   const auto d = projected_.head(n);
   auto z = direction_.head(n);
   z.setZero();
-  for (int k = count_; k < n; ++k) z += d(k) * J_.col(k).head(n);
+  if (count_ < n) kernels_->addColumns(&J_(0, count_), stride(), n, &d(count_), n - count_, z.data());
   free_curvature_ = d.tail(n - count_).squaredNorm();
   auto r = dual_direction_.head(count_);
   r = d.head(count_);
@@ -264,7 +267,8 @@ void DualQp::append(int limit, double sign, double dual, bool fixed) {
   R_.col(q).head(q) = projected_.head(q);
   R_(q, q) = pivot;
   d(0) -= pivot;
-  for (int k = q; k < n; ++k) J_.col(k).head(n) -= (factor * d(k - q)) * w;
+  w *= factor;
+  kernels_->subtractOuter(&J_(0, q), stride(), n, w.data(), d.data(), n - q);
   limit_[static_cast<std::size_t>(q)] = limit;
   fixed_[static_cast<std::size_t>(q)] = fixed ? 1 : 0;
   sign_(q) = sign;
@@ -292,12 +296,7 @@ void DualQp::remove(int position) {
       R_(k, j) = c * above + s * R_(k + 1, j);
       R_(k + 1, j) = c * R_(k + 1, j) - s * above;
     }
-    auto left = J_.col(k).head(n);
-    auto right = J_.col(k + 1).head(n);
-    auto old_left = direction_.head(n);
-    old_left = left;
-    left = c * old_left + s * right;
-    right = c * right - s * old_left;
+    kernels_->rotate(&J_(0, k), &J_(0, k + 1), n, c, s);
   }
 }
 
