@@ -96,7 +96,7 @@ inline void turnOnce(const Matrix& F, Turning& turning) {
 template <int kCount>
 inline void updateRotations(const Matrix (&F)[kCount], SimdMask (&active)[kCount], Quaternion (&rotations)[kCount]) {
   constexpr int kMaxIterations = 8;
-  const SimdMask none = Simd::fill(0) < Simd::fill(0);
+  const SimdMask none = Simd::fill(1) < Simd::fill(0);
   Turning turning[kCount];
   for (int k = 0; k < kCount; ++k) turning[k] = {rotations[k], Simd::fill(2), active[k], none};
   unsigned moving = 1;

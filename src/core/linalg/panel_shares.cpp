@@ -16,6 +16,7 @@ struct Branch {
 std::vector<Branch> makeBranches(const FactorPattern& pattern) {
   const auto& panels = pattern.panels();
   std::vector<Branch> branches;
+  branches.reserve(panels.size());
   for (int p = 0; p < static_cast<int>(panels.size()); ++p) {
     branches.push_back({p, calcPanelCost(panels[p].own, panels[p].below_count)});
   }

@@ -50,7 +50,7 @@ SupernodalCholesky::SupernodalCholesky(const FactorPattern& pattern, int max_row
     share.panels = std::move(dealt.branches[t]);
     share.half.assign(static_cast<std::size_t>(half_stride_) * pattern.size() + kReadBeyond, 0.0);
     share.gram.assign(static_cast<std::size_t>(half_stride_) * (half_stride_ + kWideColumns) + kReadBeyond, 0.0);
-    share.gathered.assign(static_cast<std::size_t>(pattern.size() + kReadBeyond), 0.0);
+    share.gathered.assign(static_cast<std::size_t>(pattern.size()) + kReadBeyond, 0.0);
     for (const int panel : share.panels) owner_[panel] = static_cast<int>(t);
   }
 }
