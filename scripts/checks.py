@@ -16,6 +16,7 @@ def rostest(name):
 
 # Scenes with contact: each states what holds in all of them.
 CONTACT_SCENES = ("beam", "finger_obstacle", "gripper", "penetration", "tentacle", "trunk_rail")
+DEADLINES = [rostest("deadlines")] + [f"_ctest_sinew_rostest_deadlines__rate_{rate}.test" for rate in (500, 1000)]
 TIMED_SCENES = gtest("benchmark_robot_scene_test")
 
 CHECKS = (
@@ -149,6 +150,23 @@ CHECKS = (
         "no_allocation",
         "Over a controller's cycles with contacts that come and go nothing allocates memory.",
         [gtest("inverse_no_allocation_test")],
+    ),
+    Check(
+        "overload",
+        "Cycles that share a linearisation for want of time: how far the effector is from where whole cycles have it; and "
+        "far above the rate that is possible every command still goes out.",
+        [gtest("inverse_overload_test"), rostest("overload")],
+    ),
+    Check(
+        "control_cycle",
+        "The cycle thread of the running node takes no memory and no lock, at leisure and overloaded.",
+        [rostest("control_cycle")],
+    ),
+    Check(
+        "deadlines",
+        "The whole line at 100, 500 and 1000 Hz while a cylinder comes and goes: commands that came late or not at all, beside "
+        "those that a bare sleeping loop of the same priority would have missed in the same run.",
+        DEADLINES,
     ),
     Check(
         "bad_input",

@@ -28,6 +28,24 @@ TEST(WorkerTeamTest, TheCallerIsMemberZero) {
   EXPECT_NE(threads[2], threads[1]);
 }
 
+// Without privileges a thread may call itself a batch job: enough to see that the others follow.
+TEST(WorkerTeamTest, WorksByTheSchedulingOfTheCaller) {
+  WorkerTeam team(2);
+  int policy = -1;
+  const auto look = [&policy](int member) {
+    sched_param parameters{};
+    if (member == 1) pthread_getschedparam(pthread_self(), &policy, &parameters);
+  };
+  team.run(look);
+  EXPECT_EQ(policy, SCHED_OTHER);
+  std::thread([&] {
+    const sched_param parameters{};
+    ASSERT_EQ(pthread_setschedparam(pthread_self(), SCHED_BATCH, &parameters), 0);
+    team.run(look);
+  }).join();
+  EXPECT_EQ(policy, SCHED_BATCH);
+}
+
 TEST(WorkerTeamTest, EndsWithoutEverHavingWorked) {
   const WorkerTeam team(4);
 }

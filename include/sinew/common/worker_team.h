@@ -1,5 +1,6 @@
 #pragma once
 
+#include <pthread.h>
 #include <semaphore.h>
 
 #include <thread>
@@ -37,6 +38,7 @@ class WorkerTeam {
   };
 
   void serve(int member);
+  void followCaller(pthread_t& known) const;
   void start();
   void finish();
 
@@ -44,6 +46,7 @@ class WorkerTeam {
   sem_t done_;
   void (*call_)(const void* context, int member) = nullptr;  // nullptr ends the threads
   const void* context_ = nullptr;
+  pthread_t caller_;
 };
 
 }  // namespace sinew

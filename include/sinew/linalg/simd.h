@@ -278,6 +278,15 @@ inline void addFours(Simd a, Simd b, Simd c, Simd d, double* to, const unsigned*
 
 #endif
 
+/// Of all lanes.
+inline double sum(Simd value) {
+  double lanes[Simd::kWidth];
+  value.store(lanes);
+  double total = 0;
+  for (double lane : lanes) total += lane;
+  return total;
+}
+
 constexpr unsigned kAllLanes = (1U << Simd::kWidth) - 1U;
 
 }  // namespace SINEW_ISA

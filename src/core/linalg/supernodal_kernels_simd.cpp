@@ -290,14 +290,6 @@ void product(const double* half, int half_stride, int depth, std::uint64_t activ
   }
 }
 
-double sum(Simd value) {
-  double lanes[kWidth];
-  value.store(lanes);
-  double total = 0;
-  for (double lane : lanes) total += lane;
-  return total;
-}
-
 void combine(const double* half, int half_stride, std::uint64_t active, int group, const double* factor, int columns,
              double* result) {
   int offset[kMaxRowVectors];

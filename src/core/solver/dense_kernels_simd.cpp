@@ -22,14 +22,6 @@ void storeUpTo(Simd value, double* to, int count) {
   }
 }
 
-double sum(Simd value) {
-  double lanes[kWidth];
-  value.store(lanes);
-  double total = 0;
-  for (double lane : lanes) total += lane;
-  return total;
-}
-
 void addColumns(const double* matrix, int stride, int rows, const double* x, int columns, double* sum) {
   int r = 0;
   for (; r + kAtOnce * kWidth <= rows; r += kAtOnce * kWidth) {
