@@ -1,6 +1,7 @@
 # Helpers that every folder of the project uses: one library per core folder, one executable per node or tool, one test per file.
 
 set(SINEW_WARNINGS -Wall -Wextra -Wconversion -Wshadow)
+set(SINEW_SANITIZERS -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
 
 # x86-64-v2 in flags that compilers before its name (gcc 9) know too.
 if(SINEW_MARCH)
@@ -14,7 +15,7 @@ function(sinew_compile_options target)
   target_compile_options(${target} PRIVATE ${SINEW_ARCHITECTURE})
   target_compile_definitions(${target} PRIVATE EIGEN_STACK_ALLOCATION_LIMIT=1048576)  # the blocks of a product: no heap in a cycle
   if(SINEW_SANITIZE)
-    target_compile_options(${target} PRIVATE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+    target_compile_options(${target} PRIVATE ${SINEW_SANITIZERS})
     target_link_options(${target} PRIVATE -fsanitize=address,undefined)
   endif()
 endfunction()
@@ -50,6 +51,10 @@ function(sinew_vectorised folder source)
     target_include_directories(${objects} PRIVATE ${PROJECT_SOURCE_DIR}/include)
     target_compile_definitions(${objects} PRIVATE SINEW_ISA=${set})
     target_compile_options(${objects} PRIVATE -O3 ${SINEW_WARNINGS} ${flags_${set}})
+    if(SINEW_SANITIZE)
+      # The compiler's own headers leave lanes undefined on purpose.
+      target_compile_options(${objects} PRIVATE ${SINEW_SANITIZERS} -Wno-maybe-uninitialized)
+    endif()
     target_sources(sinew_${folder} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()
 endfunction()
