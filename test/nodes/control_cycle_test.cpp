@@ -119,7 +119,7 @@ TEST(ControlCycle, asksNobodyForAnything) {
 }
 
 TEST(ControlCycle, norInOverload) {
-  expectQuiet("overloaded", 1000, 3);
+  expectQuiet("overloaded", 2000, 3);
 }
 
 }  // namespace

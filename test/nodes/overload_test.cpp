@@ -139,7 +139,8 @@ double measureCycle(bool heavy) {
 
 TEST(Overload, theLevelRisesWithTheLoadAndFallsWithIt) {
   const double light = measureCycle(false), heavy = measureCycle(true);
-  const double rate = std::min(kHighestRate, 1 / heavy);
+  // At leisure a cycle finds its data outside the caches, and takes longer than one of many in a row.
+  const double rate = std::min(2 * kHighestRate, 1.6 / heavy);
   std::printf("a cycle takes %.3f ms without contacts, %.3f ms with: %.0f Hz\n", 1e3 * light, 1e3 * heavy, rate);
   ASSERT_GT(heavy, 1.8 * light) << "the load is none";
   Bench bench(rate);
