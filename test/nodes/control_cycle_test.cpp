@@ -14,6 +14,7 @@
 #include "callback_thread.h"
 #include "inverse_model_node.h"
 #include "results.h"
+#include "ros_main.h"
 #include "thread_watch.h"
 
 namespace sinew {
@@ -126,12 +127,5 @@ TEST(ControlCycle, norInOverload) {
 }  // namespace sinew
 
 int main(int argc, char** argv) {
-  const std::string not_allowed = sinew::requestRealTime();
-  if (!not_allowed.empty()) std::printf("not in real time: %s\n", not_allowed.c_str());
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "inverse_model");
-  ros::start();
-  const int result = RUN_ALL_TESTS();
-  ros::shutdown();
-  return result;
+  return sinew::runTestsAsNode(argc, argv, "inverse_model");
 }

@@ -18,6 +18,7 @@
 #include "node_process.h"
 #include "quantile.h"
 #include "results.h"
+#include "ros_main.h"
 #include "sinew/inverse/cycle.h"
 
 namespace sinew {
@@ -182,9 +183,5 @@ TEST(Deadlines, areKept) {
 }  // namespace sinew
 
 int main(int argc, char** argv) {
-  const std::string not_allowed = sinew::requestRealTime();
-  if (!not_allowed.empty()) std::printf("not in real time: %s\n", not_allowed.c_str());
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "deadlines_test");
-  return RUN_ALL_TESTS();
+  return sinew::runTestsAsNode(argc, argv, "deadlines_test");
 }

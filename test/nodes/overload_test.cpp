@@ -17,6 +17,7 @@
 #include "control_loop.h"
 #include "inverse_model_node.h"
 #include "results.h"
+#include "ros_main.h"
 
 namespace sinew {
 namespace {
@@ -160,12 +161,5 @@ TEST(Overload, theLevelRisesWithTheLoadAndFallsWithIt) {
 }  // namespace sinew
 
 int main(int argc, char** argv) {
-  const std::string not_allowed = sinew::requestRealTime();
-  if (!not_allowed.empty()) std::printf("not in real time: %s\n", not_allowed.c_str());
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "inverse_model");
-  ros::start();
-  const int result = RUN_ALL_TESTS();
-  ros::shutdown();
-  return result;
+  return sinew::runTestsAsNode(argc, argv, "inverse_model");
 }

@@ -19,6 +19,7 @@
 #include "real_time.h"
 #include "results.h"
 #include "ros_conversions.h"
+#include "ros_main.h"
 
 namespace sinew {
 namespace {
@@ -144,9 +145,5 @@ TEST(TrunkCircle, IsFollowedInTime) {
 }  // namespace sinew
 
 int main(int argc, char** argv) {
-  const std::string not_allowed = sinew::requestRealTime();
-  if (!not_allowed.empty()) std::printf("not in real time: %s\n", not_allowed.c_str());
-  ::testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "trunk_circle_test");
-  return RUN_ALL_TESTS();
+  return sinew::runTestsAsNode(argc, argv, "trunk_circle_test");
 }

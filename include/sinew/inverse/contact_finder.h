@@ -20,6 +20,7 @@ class ContactFinder {
 
   /// Whether the robot has anything to touch.
   bool active() const;
+  ContactFinder* activeOrNull() { return active() ? this : nullptr; }
 
   /// Where the obstacles are from now on, in the order of the robot's description; a missing tail stays as it is.
   void setObstacles(const std::vector<ObstacleState>& obstacles);

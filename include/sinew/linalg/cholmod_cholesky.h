@@ -18,7 +18,6 @@ class CholmodCholesky : public SparseCholesky {
   bool factorise(const BlockMatrix& matrix) override;
   void condense(const BlockRows& H, const VecX& load, Eigen::Ref<MatX> compliance, Eigen::Ref<VecX> motion) override;
   void calcMotion(const VecX& force, VecX& x) override;
-  double factorNonZeros() const override;
 
  private:
   struct Impl;

@@ -45,7 +45,6 @@ class FactorPattern {
   const Update* updatesBegin(int panel) const { return updates_.data() + update_start_[panel]; }
   const Update* updatesEnd(int panel) const { return updates_.data() + update_start_[panel + 1]; }
   int panelOf(int block) const { return panel_of_[block]; }
-  double factorNonZeros() const;  ///< scalars in the lower triangle, stored zeros counted
 
  private:
   void findRows();

@@ -16,3 +16,27 @@ std::vector<InstructionSet> findInstructionSets();
 InstructionSet chooseInstructionSet();
 
 }  // namespace sinew
+
+// Declares a function of kernels once per set, each in the namespace of that set, and calls the one of a set.
+#if defined(__x86_64__)
+#define SINEW_DECLARE_PER_SET(declaration) \
+  namespace plain {                        \
+  declaration;                             \
+  }                                        \
+  namespace avx2 {                         \
+  declaration;                             \
+  }                                        \
+  namespace avx512 {                       \
+  declaration;                             \
+  }
+#define SINEW_CALL_OF_SET(set, function)                 \
+  ((set) == InstructionSet::kAvx512 ? avx512::function() \
+   : (set) == InstructionSet::kAvx2 ? avx2::function()   \
+                                    : plain::function())
+#else
+#define SINEW_DECLARE_PER_SET(declaration) \
+  namespace plain {                        \
+  declaration;                             \
+  }
+#define SINEW_CALL_OF_SET(set, function) (static_cast<void>(set), plain::function())
+#endif

@@ -23,7 +23,6 @@ class SparseCholesky {
   virtual void condense(const BlockRows& H, const VecX& load, Eigen::Ref<MatX> compliance, Eigen::Ref<VecX> motion) = 0;
   /// x = A^-1 (load + H^T force) for H and load of the last `condense`, by one backward substitution.
   virtual void calcMotion(const VecX& force, VecX& x) = 0;
-  virtual double factorNonZeros() const = 0;
 
   /// x <- A^-1 x, in place of the last `condense`.
   void solve(VecX& x);

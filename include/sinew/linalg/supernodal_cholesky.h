@@ -29,7 +29,6 @@ class SupernodalCholesky : public SparseCholesky {
   bool factorise(const BlockMatrix& matrix) override;
   void condense(const BlockRows& H, const VecX& load, Eigen::Ref<MatX> compliance, Eigen::Ref<VecX> motion) override;
   void calcMotion(const VecX& force, VecX& x) override;
-  double factorNonZeros() const override { return pattern_->factorNonZeros(); }
 
  private:
   using Panel = FactorPattern::Panel;

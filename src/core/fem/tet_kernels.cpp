@@ -2,29 +2,10 @@
 
 namespace sinew {
 
-namespace plain {
-TetKernels tetKernels();
-}
-#if defined(__x86_64__)
-namespace avx2 {
-TetKernels tetKernels();
-}
-namespace avx512 {
-TetKernels tetKernels();
-}
-#endif
+SINEW_DECLARE_PER_SET(TetKernels tetKernels())
 
 TetKernels tetKernelsOf(InstructionSet set) {
-  switch (set) {
-#if defined(__x86_64__)
-    case InstructionSet::kAvx2:
-      return avx2::tetKernels();
-    case InstructionSet::kAvx512:
-      return avx512::tetKernels();
-#endif
-    default:
-      return plain::tetKernels();
-  }
+  return SINEW_CALL_OF_SET(set, tetKernels);
 }
 
 }  // namespace sinew

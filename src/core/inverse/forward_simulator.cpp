@@ -30,7 +30,7 @@ struct ForwardSimulator::Impl {
     measure();
   }
 
-  ContactFinder* contacts() { return finder.active() ? &finder : nullptr; }
+  ContactFinder* contacts() { return finder.activeOrNull(); }
 
   void measure() {
     const RobotModel& robot = condensed.robot();

@@ -7,6 +7,8 @@
 #include "sinew/inverse/contact_finder.h"
 #include "sinew/inverse/cycle_plan.h"
 #include "sinew/inverse/forward_step.h"
+#include "sinew/inverse/linearisation.h"
+#include "sinew/inverse/moving_body.h"
 
 namespace sinew {
 namespace {
@@ -41,81 +43,7 @@ void clearReport(CycleOutput& output) {
   output.linearisation_age = 0;
 }
 
-ContactFinder* activeOrNull(ContactFinder& finder) {
-  return finder.active() ? &finder : nullptr;
-}
-
 }  // namespace
-
-// The body of a dynamic robot: it follows the commanded displacements with inertia and damping, apart from the plan.
-// Planning about the moving state instead would make the settled answer depend on the period, since A^-1 then decides
-// over the actuators' redundancy, and lets vibrations into the commands.
-struct MovingBody {
-  CondensedRobot condensed;
-  ContactFinder finder;
-  ForwardStep forward;
-  Actuation winches;
-  VecX effort;
-
-  explicit MovingBody(const std::shared_ptr<const RobotModel>& robot)
-      : condensed(robot), finder(*robot), forward(*robot), effort(VecX::Zero(robot->actuatorCount())) {
-    winches.mode.assign(static_cast<std::size_t>(robot->actuatorCount()), Actuation::Mode::kDisplacement);
-    winches.value = VecX::Zero(robot->actuatorCount());
-  }
-
-  ForwardStatus follow(const VecX& displacement, double period, StageTimes& times) {
-    winches.value = displacement;
-    const ForwardStatus status =
-        forward.step(winches, condensed.makeRule(period), activeOrNull(finder), condensed, effort, times);
-    if (status != ForwardStatus::kSolved) condensed.abandonStep();
-    return status;
-  }
-
-  void place(const CondensedRobot& other, const VecX& new_effort) {
-    condensed.place(other);
-    effort = new_effort;
-  }
-};
-
-// The robot linearised where it stood, and condensed to its constraints with the contacts that it had there.
-struct Linearisation {
-  CondensedRobot condensed;
-  ContactFinder finder;
-  VecX effort;           // N, total, that it was linearised with
-  bool answers = false;  // condensed, in the configuration in which the present step began
-  bool repeats = false;  // has answered a cycle
-  int age = 0;           // cycles
-
-  explicit Linearisation(const std::shared_ptr<const RobotModel>& robot)
-      : condensed(robot), finder(*robot), effort(VecX::Zero(robot->actuatorCount())) {}
-
-  void begin(const VecX& present_effort) {
-    effort = present_effort;
-    answers = repeats = false;
-    age = 0;
-  }
-
-  HoldReason factorise(StageTimes& times) {
-    condensed.linearise(effort, StepRule(), times);
-    if (!std::isfinite(condensed.residual())) return HoldReason::kNotFinite;
-    return condensed.factorise(times) ? HoldReason::kNone : HoldReason::kNotPositiveDefinite;
-  }
-
-  void condense(StageTimes& times) {
-    if (finder.active()) {
-      finder.find(condensed.positions(), times);
-      condensed.addContacts(finder);
-    }
-    condensed.condense(times);
-    answers = true;
-  }
-
-  // To where the linear problem holds; only the obstacles have moved on.
-  void recall() {
-    condensed.abandonStep();
-    condensed.shiftGaps(finder);
-  }
-};
 
 struct InverseController::Impl {
   std::shared_ptr<const RobotModel> robot;
@@ -372,7 +300,7 @@ struct InverseController::Impl {
     renewing = false;
     now->begin(effort);
     const ForwardStatus status =
-        forward.step(held, StepRule(), activeOrNull(now->finder), now->condensed, effort, output.times);
+        forward.step(held, StepRule(), now->finder.activeOrNull(), now->condensed, effort, output.times);
     now->answers = now->repeats = status == ForwardStatus::kSolved;
     return status;
   }
@@ -523,7 +451,7 @@ double InverseController::resynchronise(const VecX& measured) {
   for (int k = 1; k <= steps; ++k) {
     impl.held.value = start + (measured - start) * k / steps;
     const double tolerance = k < steps ? 1e-3 : kSyncTolerance;
-    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, activeOrNull(impl.now->finder), impl.now->condensed,
+    if (impl.forward.settle(impl.held, tolerance, kSyncIterations, impl.now->finder.activeOrNull(), impl.now->condensed,
                             impl.effort, times) != ForwardStatus::kSolved) {
       return failed;
     }

@@ -145,8 +145,4 @@ void CholmodCholesky::calcMotion(const VecX& force, VecX& x) {
   for (int i = 0; i < size(); ++i) x[i] = y[impl_->place[i]];
 }
 
-double CholmodCholesky::factorNonZeros() const {
-  return impl_->common.lnz;
-}
-
 }  // namespace sinew

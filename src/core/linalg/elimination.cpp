@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <iterator>
 
 #include "sinew/linalg/factor_pattern.h"
 #include "sinew/linalg/panel_shares.h"
@@ -31,6 +31,9 @@ class SupernodeTree {
 
   static std::vector<int> calcParents(const BlockGraph& graph, const BlockOrder& order);
   static BlockOrder calcPostorder(const std::vector<int>& parent);
+  static std::vector<std::vector<int>> calcRows(const BlockGraph& graph, const BlockOrder& order,
+                                                const std::vector<int>& parent);
+  void gather(const BlockOrder& order, const std::vector<int>& parent, const std::vector<std::vector<int>>& rows);
   double calcSaving(int child, int parent) const;
   void absorb(int child, int parent);
 
@@ -79,43 +82,51 @@ BlockOrder SupernodeTree::calcPostorder(const std::vector<int>& parent) {
   return post;
 }
 
-SupernodeTree::SupernodeTree(const BlockPattern& pattern, const BlockOrder& given) {
-  const BlockGraph graph(pattern);
-  const int blocks = pattern.blocks();
-  const BlockOrder post = calcPostorder(calcParents(graph, given));
-  BlockOrder order(post.size());
-  for (int k = 0; k < blocks; ++k) order[k] = given[post[k]];
-  const std::vector<int> parent = calcParents(graph, order);
+/// Rows of every column of the factor under its diagonal: its own entries and what its children leave.
+std::vector<std::vector<int>> SupernodeTree::calcRows(const BlockGraph& graph, const BlockOrder& order,
+                                                      const std::vector<int>& parent) {
   std::vector<int> place(order.size());
-  for (int k = 0; k < blocks; ++k) place[order[k]] = k;
-
-  // Rows of every column of the factor: its own entries and what its children leave.
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
   std::vector<std::vector<int>> rows(order.size());
-  std::vector<int> supernode(order.size(), -1);
-  for (int k = 0; k < blocks; ++k) {
-    const int block = order[k];
-    for (int e = graph.start[block]; e < graph.start[block + 1]; ++e) {
-      if (place[graph.neighbour[e]] > k) rows[k].push_back(place[graph.neighbour[e]]);
+  for (int k = 0; k < static_cast<int>(order.size()); ++k) {
+    for (int e = graph.start[order[k]]; e < graph.start[order[k] + 1]; ++e) {
+      const int row = place[graph.neighbour[e]];
+      if (row > k) rows[k].push_back(row);
     }
     std::sort(rows[k].begin(), rows[k].end());
-    rows[k].erase(std::unique(rows[k].begin(), rows[k].end()), rows[k].end());
   }
   std::vector<int> merged;
-  for (int k = 0; k < blocks; ++k) {
+  for (std::size_t k = 0; k < order.size(); ++k) {
     if (parent[k] < 0) continue;
     std::vector<int>& up = rows[parent[k]];
     merged.clear();
     std::set_union(up.begin(), up.end(), rows[k].begin() + 1, rows[k].end(), std::back_inserter(merged));
     up = merged;
   }
-  for (int k = 0; k < blocks; ++k) {
+  return rows;
+}
+
+SupernodeTree::SupernodeTree(const BlockPattern& pattern, const BlockOrder& given) {
+  const BlockGraph graph(pattern);
+  BlockOrder order;
+  order.reserve(given.size());
+  for (const int k : calcPostorder(calcParents(graph, given))) order.push_back(given[k]);
+  const std::vector<int> parent = calcParents(graph, order);
+  gather(order, parent, calcRows(graph, order, parent));
+}
+
+/// Consecutive columns with the same rows make a supernode.
+void SupernodeTree::gather(const BlockOrder& order, const std::vector<int>& parent,
+                           const std::vector<std::vector<int>>& rows) {
+  std::vector<int> supernode(order.size(), -1);
+  for (int k = 0; k < static_cast<int>(order.size()); ++k) {
     const bool continues = k > 0 && parent[k - 1] == k && rows[k - 1].size() == rows[k].size() + 1;
     if (!continues) supernodes_.emplace_back();
     supernode[k] = static_cast<int>(supernodes_.size()) - 1;
     supernodes_.back().blocks.push_back(order[k]);
     supernodes_.back().below = static_cast<int>(rows[k].size());
   }
-  for (int k = 0; k < blocks; ++k) {
+  for (std::size_t k = 0; k < order.size(); ++k) {
     if (parent[k] < 0 || supernode[parent[k]] == supernode[k]) continue;
     supernodes_[supernode[k]].parent = supernode[parent[k]];
     supernodes_[supernode[parent[k]]].children.push_back(supernode[k]);

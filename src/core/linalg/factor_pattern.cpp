@@ -89,12 +89,4 @@ void FactorPattern::findUpdates() {
   }
 }
 
-double FactorPattern::factorNonZeros() const {
-  double count = 0;
-  for (const Panel& panel : panels_) {
-    count += panel.columns() * (panel.columns() + 1) / 2.0 + 3.0 * panel.columns() * panel.below_count;
-  }
-  return count;
-}
-
 }  // namespace sinew

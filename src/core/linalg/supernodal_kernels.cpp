@@ -2,29 +2,10 @@
 
 namespace sinew {
 
-namespace plain {
-const SupernodalKernels& supernodalKernels();
-}
-#if defined(__x86_64__)
-namespace avx2 {
-const SupernodalKernels& supernodalKernels();
-}
-namespace avx512 {
-const SupernodalKernels& supernodalKernels();
-}
-#endif
+SINEW_DECLARE_PER_SET(const SupernodalKernels& supernodalKernels())
 
 const SupernodalKernels& kernelsOf(InstructionSet set) {
-  switch (set) {
-#if defined(__x86_64__)
-    case InstructionSet::kAvx2:
-      return avx2::supernodalKernels();
-    case InstructionSet::kAvx512:
-      return avx512::supernodalKernels();
-#endif
-    default:
-      return plain::supernodalKernels();
-  }
+  return SINEW_CALL_OF_SET(set, supernodalKernels);
 }
 
 }  // namespace sinew

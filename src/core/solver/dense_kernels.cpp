@@ -2,29 +2,10 @@
 
 namespace sinew {
 
-namespace plain {
-const DenseKernels& denseKernels();
-}
-#if defined(__x86_64__)
-namespace avx2 {
-const DenseKernels& denseKernels();
-}
-namespace avx512 {
-const DenseKernels& denseKernels();
-}
-#endif
+SINEW_DECLARE_PER_SET(const DenseKernels& denseKernels())
 
 const DenseKernels& denseKernelsOf(InstructionSet set) {
-  switch (set) {
-#if defined(__x86_64__)
-    case InstructionSet::kAvx2:
-      return avx2::denseKernels();
-    case InstructionSet::kAvx512:
-      return avx512::denseKernels();
-#endif
-    default:
-      return plain::denseKernels();
-  }
+  return SINEW_CALL_OF_SET(set, denseKernels);
 }
 
 }  // namespace sinew
