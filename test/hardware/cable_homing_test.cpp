@@ -9,20 +9,20 @@ using Progress = CableHoming::Progress;
 
 ActuatorDescription make(HomingMethod method) {
   ActuatorDescription a;
-  a.homing.method = method;
-  a.homing.tension = 2;
-  a.homing.speed = 0.01;
-  a.homing.travel = 0.05;
+  a.cable.homing.method = method;
+  a.cable.homing.tension = 2;
+  a.cable.homing.speed = 0.01;
+  a.cable.homing.travel = 0.05;
   return a;
 }
 
 /// Two cables that become taut at 10 and 20 mm, with 1 N/mm from there.
-std::vector<ServoReading> read(const std::vector<double>& displacement) {
-  std::vector<ServoReading> out(displacement.size());
+std::vector<ActuatorReading> read(const std::vector<double>& displacement) {
+  std::vector<ActuatorReading> out(displacement.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i].valid = true;
-    out[i].displacement = displacement[i];
-    out[i].tension = std::max(0., 1000 * (displacement[i] - 0.01 * static_cast<double>(i + 1)));
+    out[i].measured = displacement[i];
+    out[i].effort = std::max(0., 1000 * (displacement[i] - 0.01 * static_cast<double>(i + 1)));
   }
   return out;
 }
@@ -55,8 +55,8 @@ TEST(CableHoming, ASingleSpikeOrAnInvalidReadingIsNotATension) {
   CableHoming homing({make(HomingMethod::kTension)});
   homing.start(read({0}), {false});
   for (int n = 0; n < 300; ++n) {
-    std::vector<ServoReading> readings = read({0});
-    readings[0].tension = n % 3 == 0 ? 0 : 100;
+    std::vector<ActuatorReading> readings = read({0});
+    readings[0].effort = n % 3 == 0 ? 0 : 100;
     ASSERT_EQ(homing.update(readings, 0.001), Progress::kBusy);
     readings[0].valid = false;
     ASSERT_EQ(homing.update(readings, 0.001), Progress::kBusy);

@@ -17,7 +17,8 @@ const Time kNow{std::chrono::seconds(5)};
 
 Command read(const Names& names, const std::vector<std::uint8_t>& modes, const std::vector<double>& values,
              std::uint8_t status = 0) {
-  return CommandReader({"a", "b"}).read(1, 1, status, names, modes, values, kNow);
+  return CommandReader({"a", "b"}, {Quantity::kDisplacement, Quantity::kDisplacement})
+      .read(1, 1, status, names, modes, values, {}, kNow);
 }
 
 TEST(CommandReader, BringsValuesIntoTheDriversOrder) {
@@ -42,12 +43,28 @@ TEST(CommandReader, RefusesTheWholeMessage) {
   EXPECT_EQ(read({}, {}, {}).defect, V::kMalformed);
 }
 
+TEST(CommandReader, EachActuatorHasItsOwnQuantity) {
+  const CommandReader reader({"cable", "chamber"}, {Quantity::kDisplacement, Quantity::kPressure});
+  const Command c = reader.read(1, 1, 0, {"chamber", "cable"}, {2, 0}, {5e4, 0.01}, {}, kNow);
+  EXPECT_EQ(c.defect, V::kAccepted);
+  EXPECT_EQ(c.value[0], 0.01);
+  EXPECT_EQ(c.value[1], 5e4);
+  EXPECT_EQ(reader.read(1, 1, 0, {"chamber", "cable"}, {0, 0}, {5e4, 0.01}, {}, kNow).defect, V::kMalformed);
+}
+
+TEST(CommandReader, ExpectedEffortsAreForAllOrForNone) {
+  const CommandReader reader({"a", "b"}, {Quantity::kDisplacement, Quantity::kDisplacement});
+  EXPECT_TRUE(std::isnan(reader.read(1, 1, 0, {"a", "b"}, {0, 0}, {1, 2}, {}, kNow).effort[1]));
+  EXPECT_EQ(reader.read(1, 1, 0, {"b", "a"}, {0, 0}, {1, 2}, {3, 4}, kNow).effort[1], 3);
+  EXPECT_EQ(reader.read(1, 1, 0, {"a", "b"}, {0, 0}, {1, 2}, {3}, kNow).defect, V::kMalformed);
+}
+
 TEST(CommandReader, HasRoomForSoManyActuators) {
-  EXPECT_THROW(CommandReader(Names(kMaxActuators + 1, "x")), ConfigError);
+  EXPECT_THROW(CommandReader(Names(kMaxActuators + 1, "x"), std::vector<Quantity>(kMaxActuators + 1)), ConfigError);
 }
 
 Command make(std::uint32_t session, std::uint32_t sequence) {
-  return CommandReader({"a"}).read(session, sequence, 0, {"a"}, {0}, {0}, kNow);
+  return CommandReader({"a"}, {Quantity::kDisplacement}).read(session, sequence, 0, {"a"}, {0}, {0}, {}, kNow);
 }
 
 TEST(CommandGate, LocksToTheFirstSessionUntilReleased) {

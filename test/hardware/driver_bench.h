@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/hardware/device_factory.h"
 #include "sinew/hardware/hardware_driver.h"
 #include "sinew/hardware/simulated_line.h"
 
@@ -31,6 +32,12 @@ inline std::string makeHardwareYaml(int servos, const std::string& homing = "{me
   return text;
 }
 
+inline std::vector<std::uint8_t> idsOf(const HardwareDescription& description) {
+  std::vector<std::uint8_t> ids;
+  for (const ActuatorDescription& a : description.actuators) ids.push_back(static_cast<std::uint8_t>(a.id));
+  return ids;
+}
+
 /// A driver on simulated servos whose cables are springs, on one virtual clock.
 class DriverBench {
  public:
@@ -40,15 +47,16 @@ class DriverBench {
   explicit DriverBench(int servos, const std::string& homing = "{method: present}",
                        const std::string& on_timeout = "relax")
       : description(HardwareDescription::parse(makeHardwareYaml(servos, homing, on_timeout), "bench")),
-        bus(description.ids(), description.baud),
+        bus(idsOf(description), description.buses[0].baud),
         line(std::make_shared<SimulatedLine>(bus)),
-        driver(description, [this](std::string& why) { return open(why); }),
-        reader(description.names()) {
+        driver(description,
+               makeBusGroup(description, {[this](const BusDescription&, std::string& why) { return open(why); }, {}})),
+        reader(description.names(), description.quantities()) {
     pull();
   }
 
   double tension(int i) const {
-    return std::max(0., kPretension + stiffness * description.actuators[0].spool_radius * bus.shaftAngle(i));
+    return std::max(0., kPretension + stiffness * description.actuators[0].cable.spool_radius * bus.shaftAngle(i));
   }
 
   /// One period: a bus cycle, then the mechanics.
@@ -82,12 +90,12 @@ class DriverBench {
                          std::uint32_t session = 7) {
     const std::vector<std::uint8_t> modes(value.size(), 0);
     return driver.offer(reader.read(session, ++sequence, static_cast<std::uint8_t>(status), description.names(), modes,
-                                    value, line->now()));
+                                    value, expected, line->now()));
   }
 
   std::vector<double> measured() const {
     std::vector<double> out;
-    for (const ServoReading& r : driver.report().servos) out.push_back(r.displacement);
+    for (const ActuatorReading& r : driver.report().actuators) out.push_back(r.measured);
     return out;
   }
 
@@ -97,7 +105,7 @@ class DriverBench {
   /// True displacement of cable `i` [m] from where it was when `initialise()` returned, as fine as the encoder.
   double displacement(int i) const {
     const auto turned = static_cast<double>(counts(i) - zero_[static_cast<std::size_t>(i)]);
-    return description.actuators[0].spool_radius * kRadiansPerCount * turned;
+    return description.actuators[0].cable.spool_radius * kRadiansPerCount * turned;
   }
 
   HardwareDescription description;
@@ -107,7 +115,8 @@ class DriverBench {
   HardwareDriver driver;
   CommandReader reader;
   std::uint32_t sequence = 0;
-  double stiffness = 200;  // N/m of each cable
+  double stiffness = 200;        // N/m of each cable
+  std::vector<double> expected;  // N that the next commands say the cables carry
 
  private:
   std::shared_ptr<ByteStream> open(std::string& why) {
@@ -115,7 +124,8 @@ class DriverBench {
     return port_exists ? line : nullptr;
   }
   void pull() {
-    for (int i = 0; i < bus.size(); ++i) bus.setLoadTorque(i, -description.actuators[0].spool_radius * tension(i));
+    for (int i = 0; i < bus.size(); ++i)
+      bus.setLoadTorque(i, -description.actuators[0].cable.spool_radius * tension(i));
   }
   Time next_{std::chrono::seconds(2)};
   std::vector<long> zero_ = std::vector<long>(description.actuators.size(), 0);

@@ -32,17 +32,17 @@ void expectComplaint(const std::string& text, const std::vector<std::string>& wo
 TEST(HardwareDescription, ReadsTheTrunk) {
   const HardwareDescription h = HardwareDescription::load(SINEW_SOURCE_DIR "/config/trunk/hardware.yaml");
   ASSERT_EQ(h.actuators.size(), 8u);
-  EXPECT_EQ(h.baud, 1000000);
+  EXPECT_EQ(h.buses[0].baud, 1000000);
   EXPECT_EQ(h.rate, 100);
   EXPECT_EQ(h.command_timeout, 0.1);
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_EQ(h.actuators[i].name, "cable_" + std::to_string(i + 1));
     EXPECT_EQ(h.actuators[i].id, i + 1);
-    EXPECT_EQ(h.actuators[i].spool_radius, 0.010);
-    EXPECT_EQ(h.actuators[i].displacement_min, -0.03);
-    EXPECT_EQ(h.actuators[i].displacement_max, 0.06);
+    EXPECT_EQ(h.actuators[i].cable.spool_radius, 0.010);
+    EXPECT_EQ(h.actuators[i].min, -0.03);
+    EXPECT_EQ(h.actuators[i].max, 0.06);
     EXPECT_EQ(h.actuators[i].rate_max, 0.045);
-    EXPECT_EQ(h.actuators[i].tension_max, 20);
+    EXPECT_EQ(h.actuators[i].cable.tension_max, 20);
     EXPECT_EQ(h.actuators[i].on_timeout, OnTimeout::kRelax);
   }
 }
@@ -50,9 +50,9 @@ TEST(HardwareDescription, ReadsTheTrunk) {
 TEST(HardwareDescription, AnActuatorOverridesWhatIsCommon) {
   const HardwareDescription h =
       HardwareDescription::parse(replaced("id: 2}", "id: 2, sign: -1, spool_radius: 0.02}"), "x");
-  EXPECT_EQ(h.actuators[0].sign, 1);
-  EXPECT_EQ(h.actuators[1].sign, -1);
-  EXPECT_EQ(h.actuators[1].spool_radius, 0.02);
+  EXPECT_EQ(h.actuators[0].cable.sign, 1);
+  EXPECT_EQ(h.actuators[1].cable.sign, -1);
+  EXPECT_EQ(h.actuators[1].cable.spool_radius, 0.02);
 }
 
 TEST(HardwareDescription, AMissingKeyIsNamedInFull) {

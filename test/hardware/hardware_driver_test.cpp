@@ -42,8 +42,8 @@ TEST(HardwareDriver, EnableMovesNothing) {
   for (int i = 0; i < kServos; ++i) {
     EXPECT_TRUE(bench.bus.torqueEnabled(i));
     EXPECT_NEAR(bench.bus.shaftAngle(i), before[static_cast<std::size_t>(i)], 0.5 * kRadiansPerCount + 1e-9);
-    EXPECT_TRUE(bench.driver.report().servos[static_cast<std::size_t>(i)].zero_valid);
-    EXPECT_EQ(bench.driver.report().servos[static_cast<std::size_t>(i)].displacement, 0);
+    EXPECT_TRUE(bench.driver.report().actuators[static_cast<std::size_t>(i)].zero_valid);
+    EXPECT_EQ(bench.driver.report().actuators[static_cast<std::size_t>(i)].measured, 0);
   }
 }
 
@@ -210,7 +210,7 @@ TEST(HardwareDriver, SafeRecoversWithItsZero) {
   ASSERT_EQ(bench.driver.report().state, DriverState::kReady) << bench.driver.report().reason;
   EXPECT_TRUE(bench.bus.torqueEnabled(0));
   EXPECT_NEAR(bench.bus.shaftAngle(0), angle, 2 * kRadiansPerCount) << "nothing moves on recovery";
-  EXPECT_NEAR(bench.driver.report().servos[0].displacement, bench.displacement(0), 3e-5) << "the zero was kept";
+  EXPECT_NEAR(bench.driver.report().actuators[0].measured, bench.displacement(0), 3e-5) << "the zero was kept";
 }
 
 TEST(HardwareDriver, HaltHoldsAndIsLatched) {
@@ -311,8 +311,8 @@ TEST(HardwareDriver, PowerCycleLosesTheZero) {
   ASSERT_TRUE(bench.driver.request(DriverRequest::kRecover));
   bench.run(1);
   ASSERT_EQ(bench.driver.report().state, DriverState::kReady) << bench.driver.report().reason;
-  EXPECT_NEAR(bench.driver.report().servos[0].displacement, bench.displacement(0), 5e-5) << "kept";
-  EXPECT_NEAR(bench.driver.report().servos[2].displacement, 0, 1e-6) << "homed anew where it was";
+  EXPECT_NEAR(bench.driver.report().actuators[0].measured, bench.displacement(0), 5e-5) << "kept";
+  EXPECT_NEAR(bench.driver.report().actuators[2].measured, 0, 1e-6) << "homed anew where it was";
 }
 
 TEST(HardwareDriver, SupplyDipMakesTheZeroInvalid) {
@@ -322,7 +322,7 @@ TEST(HardwareDriver, SupplyDipMakesTheZeroInvalid) {
   bench.run(0.05);
   bench.bus.setSupplyVoltage(12.0);
   EXPECT_EQ(bench.driver.report().state, DriverState::kFault);
-  EXPECT_FALSE(bench.driver.report().servos[0].zero_valid);
+  EXPECT_FALSE(bench.driver.report().actuators[0].zero_valid);
   EXPECT_NE(bench.driver.report().reason.find("supply"), std::string::npos) << bench.driver.report().reason;
 }
 
@@ -332,7 +332,7 @@ TEST(HardwareDriver, OverheatedServoIsAFaultThatOnlyARestartClears) {
   bench.bus.setTemperature(0, 95);
   bench.run(0.05);
   EXPECT_EQ(bench.driver.report().state, DriverState::kFault);
-  EXPECT_NE(bench.driver.report().servos[0].fault & kOverheating, 0u);
+  EXPECT_NE(bench.driver.report().actuators[0].fault & kOverheating, 0u);
   ASSERT_TRUE(bench.driver.request(DriverRequest::kRecover));
   bench.run(2);
   EXPECT_EQ(bench.driver.report().state, DriverState::kFault) << "still hot";
@@ -347,7 +347,7 @@ TEST(HardwareDriver, HomesToATension) {
   ASSERT_TRUE(bench.initialise()) << bench.driver.report().reason;
   for (int i = 0; i < kServos; ++i) {
     EXPECT_NEAR(bench.tension(i), 5, 0.6) << i;  // one unit of current is 0.48 N
-    EXPECT_NEAR(bench.driver.report().servos[static_cast<std::size_t>(i)].displacement, 0, 1e-4);
+    EXPECT_NEAR(bench.driver.report().actuators[static_cast<std::size_t>(i)].measured, 0, 1e-4);
   }
 }
 
@@ -370,7 +370,7 @@ TEST(HardwareDriver, TensionStaysBoundedByTheDevice) {
   checkAtMost("tension_bound.largest_tension", largest, 20, "N");
   EXPECT_GT(largest, 19) << "the bound is not wasted";
   EXPECT_EQ(bench.driver.report().applied[0], 0.06);
-  EXPECT_LT(bench.driver.report().servos[0].displacement, 0.011) << "and the measurement tells where it really is";
+  EXPECT_LT(bench.driver.report().actuators[0].measured, 0.011) << "and the measurement tells where it really is";
 }
 
 /// s on a bad line: SINEW_SECONDS, 10 minutes where SINEW_FULL is set, or 60.
@@ -403,9 +403,9 @@ void runBadLine(const char* part, const LineFaults& faults, bool fast) {
     const DriverReport& r = bench.cycle();
     ASSERT_EQ(r.state, DriverState::kActive) << r.reason << " at " << t << " s";
     for (std::size_t i = 0; i < 8; ++i) {
-      if (!r.servos[i].valid) continue;
+      if (!r.actuators[i].valid) continue;
       ++accepted;
-      if (std::abs(r.servos[i].displacement - truth[i]) > 1e-9) ++wrong;
+      if (std::abs(r.actuators[i].measured - truth[i]) > 1e-9) ++wrong;
     }
   }
   bench.bus.setLineFaults({});
@@ -471,7 +471,7 @@ TEST(HardwareDriver, SurvivesAVeryBadLine) {
     for (int i = 0; i < 8; ++i) truth.push_back(bench.displacement(i));
     const DriverReport& r = bench.cycle();
     for (std::size_t i = 0; i < 8; ++i)
-      if (r.servos[i].valid && std::abs(r.servos[i].displacement - truth[i]) > 1e-9) ++wrong;
+      if (r.actuators[i].valid && std::abs(r.actuators[i].measured - truth[i]) > 1e-9) ++wrong;
   }
   EXPECT_EQ(wrong, 0u);
 }

@@ -21,13 +21,17 @@ class YamlReader {
   static YamlReader fromFile(const std::string& path);
   static YamlReader fromText(const std::string& text, const std::string& name);
 
+  /// This mapping, with `common` for every key that it leaves out.
+  YamlReader over(const YamlReader& common) const;
+
   bool has(const std::string& key) const;
   bool isList(const std::string& key) const;
 
-  /// Limits are inclusive; `.inf` is taken where the upper limit is infinite.
-  double number(const std::string& key, double min = -kInfinity, double max = kInfinity) const;
+  /// Limits are inclusive; `.inf` is taken where the upper limit is infinite. `unit` is for the complaint.
+  double number(const std::string& key, double min = -kInfinity, double max = kInfinity,
+                const std::string& unit = "") const;
   double numberOr(const std::string& key, double otherwise, double min = -kInfinity, double max = kInfinity) const;
-  double positive(const std::string& key) const;
+  double positive(const std::string& key, const std::string& unit = "") const;
   double positiveOr(const std::string& key, double otherwise) const;
   int integer(const std::string& key, int min, int max) const;
   int integerOr(const std::string& key, int otherwise, int min, int max) const;
@@ -58,12 +62,15 @@ class YamlReader {
 
  private:
   YamlReader(const YAML::Node& node, std::string file, std::string prefix);
+  void refuseKeysBeyond(const std::set<std::string>& asked) const;
+  bool holds(const std::string& key) const;
   YAML::Node require(const std::string& key, const std::string& expected) const;
   std::string fullName(const std::string& key) const;
 
   YAML::Node node_;
   std::string file_;
   std::string prefix_;
+  std::shared_ptr<const YamlReader> common_;
   std::shared_ptr<std::set<std::string>> asked_;
 };
 

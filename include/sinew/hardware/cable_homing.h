@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "sinew/hardware/actuator_reading.h"
 #include "sinew/hardware/hardware_description.h"
-#include "sinew/hardware/servo_chain.h"
 
 namespace sinew {
 
@@ -13,12 +13,12 @@ class CableHoming {
   explicit CableHoming(const std::vector<ActuatorDescription>& actuators);
 
   /// Begins from the positions read last. Cables with `keep[i]` stay as they are.
-  void start(const std::vector<ServoReading>& readings, const std::vector<bool>& keep);
+  void start(const std::vector<ActuatorReading>& readings, const std::vector<bool>& keep);
 
   enum class Progress { kBusy, kDone, kFailed };
   /// One cycle of `dt` [s]: moves `setPoints()` on, by what was read. After kFailed `failed()` is the actuator that
   /// found no tension within its travel.
-  Progress update(const std::vector<ServoReading>& readings, double dt);
+  Progress update(const std::vector<ActuatorReading>& readings, double dt);
 
   const std::vector<double>& setPoints() const { return set_points_; }  ///< m, before the new zeros
   int failed() const { return failed_; }

@@ -13,6 +13,8 @@ class CableTransmission {
   /// Radius of the spool [m], +1 or -1, torque constant [N m/A] at the spool's shaft.
   CableTransmission(double radius, int sign, double torque_constant);
 
+  /// A per unit of the current registers, 2.69 mA unless told otherwise.
+  void setCurrentUnit(double amperes) { current_unit_ = amperes; }
   /// Makes `displacement` [m] belong to the position `counts`.
   void setZero(std::int32_t counts, double displacement = 0);
 
@@ -28,7 +30,8 @@ class CableTransmission {
   double radius_;
   int sign_;
   double torque_constant_;
-  double zero_ = 0;  // counts at displacement 0
+  double current_unit_ = 2.69e-3;  // A
+  double zero_ = 0;                // counts at displacement 0
 };
 
 }  // namespace sinew

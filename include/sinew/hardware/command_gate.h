@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/hardware/actuator_reading.h"
 #include "sinew/hardware/byte_stream.h"
 
 namespace sinew {
@@ -30,22 +31,25 @@ struct Command {
   std::uint32_t session = 0;
   std::uint32_t sequence = 0;
   Time received{};
-  std::array<double, kMaxActuators> value{};  ///< m, in the driver's order
+  std::array<double, kMaxActuators> value{};   ///< m or Pa, in the driver's order
+  std::array<double, kMaxActuators> effort{};  ///< N that each is expected to carry; not a number where nothing is said
 };
 
 /// Brings messages into the driver's order and finds what is wrong with them. Stateless, so any thread may read.
 class CommandReader {
  public:
   /// Throws ConfigError for more than kMaxActuators names.
-  explicit CommandReader(std::vector<std::string> names);
+  CommandReader(std::vector<std::string> names, std::vector<Quantity> quantities);
 
-  /// A message must name every actuator exactly once, in displacement mode (0), with a finite value each.
+  /// A message must name every actuator exactly once, in its own quantity, with a finite value each. `efforts` is
+  /// empty, or gives one per name.
   Command read(std::uint32_t session, std::uint32_t sequence, std::uint8_t status,
                const std::vector<std::string>& names, const std::vector<std::uint8_t>& modes,
-               const std::vector<double>& values, Time received) const;
+               const std::vector<double>& values, const std::vector<double>& efforts, Time received) const;
 
  private:
   std::vector<std::string> names_;
+  std::vector<Quantity> quantities_;
 };
 
 /// Who may command. Locks to the first session that is accepted and stays with it until `release()`; within a session

@@ -9,18 +9,18 @@ namespace sinew {
 class CommandLimiter {
  public:
   struct Limits {
-    double min = 0, max = 0;  ///< m
-    double rate = 0;          ///< m/s
+    double min = 0, max = 0;  ///< m or Pa
+    double rate = 0;          ///< m/s or Pa/s
   };
 
   /// `max_interval` [s]: the longest time a single step is allowed for, so that a stalled caller cannot leap.
   CommandLimiter(std::vector<Limits> limits, double max_interval);
 
-  /// Starts from `applied` [m], one per actuator: where the devices are now.
+  /// Starts from `applied` [m or Pa], one per actuator: where the devices are now.
   void reset(const std::vector<double>& applied);
 
-  /// Moves every set point towards `wanted` [m] for `interval` [s]. A value that is not finite keeps its set point.
-  /// Returns whether any value was changed by a limit.
+  /// Moves every set point towards `wanted` [m or Pa] for `interval` [s]. A value that is not finite keeps its set
+  /// point. Returns whether any value was changed by a limit.
   bool update(const std::vector<double>& wanted, double interval);
 
   const std::vector<double>& applied() const { return applied_; }

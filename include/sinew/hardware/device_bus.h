@@ -22,10 +22,10 @@ enum class SetUpProgress { kBusy, kDone, kFailed };
 /// The actuators of a robot that share one line to their devices, whatever the protocol. One thread calls everything.
 /// Actuators are numbered 0 .. size()-1 within their bus.
 ///
-/// Life: `open`, `startSetUp`, `updateSetUp` once a cycle until it is done: every device then holds where it is found,
-/// its own watchdog armed, and nothing has moved. From then on every cycle `writeSetPoints` and `read`. To let go:
-/// `relax` every cycle, with a share that falls from 1 to 0, then `switchOff`. A caller that falls silent is stopped
-/// for by the devices themselves.
+/// Life: `open`, `startSetUp`, `updateSetUp` once a cycle until it is done: every device then holds where the readings
+/// say that it was found, its own watchdog armed, and nothing has moved. From then on every cycle `writeSetPoints` and
+/// `read`. To let go: `relax` every cycle, with a share that falls from 1 to 0, then `switchOff`. A caller that falls
+/// silent is stopped for by the devices themselves.
 class DeviceBus {
  public:
   virtual ~DeviceBus() = default;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <variant>
 
 #include "sinew/hardware/cable_description.h"
 
@@ -21,5 +22,8 @@ struct ActuatorBounds {
   double max = 0;       ///< m or Pa
   double rate_max = 0;  ///< m/s or Pa/s
 };
+
+/// What the file gives for one kind of device, beyond what all have in common. A Dynamixel needs no more.
+using DeviceSettings = std::variant<std::monostate>;
 
 }  // namespace sinew

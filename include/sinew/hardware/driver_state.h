@@ -21,14 +21,15 @@ enum class DriverEvent : std::uint8_t {
   kCommand,      ///< a command that may be followed from here without a jump
   kCommandLost,  ///< none for the command timeout
   kHoldLimit,    ///< held, by the controller or by the driver, for too long
-  kFailure,      ///< device, line, zero or set-up failed
+  kFailure,      ///< device, line, zero, watch or set-up failed
+  kEmergency,    ///< somebody hit the emergency stop
   kRecover,
   kHalt,
   kShutdown
 };
 
 constexpr int kDriverStates = 7;
-constexpr int kDriverEvents = 9;
+constexpr int kDriverEvents = 10;
 
 /// The whole of the driver's safety logic: where `event` leads from `state`. An event that means nothing in a state, or
 /// is not allowed in it, leads nowhere.
@@ -37,6 +38,7 @@ constexpr DriverState nextState(DriverState state, DriverEvent event) {
   using E = DriverEvent;
   if (event == E::kShutdown) return S::kOff;
   if (event == E::kFailure) return state == S::kOff ? S::kOff : S::kFault;
+  if (event == E::kEmergency) return state == S::kOff || state == S::kFault ? state : S::kSafe;
   switch (state) {
     case S::kOff:
       return event == E::kInit ? S::kInitialising : state;
@@ -64,6 +66,11 @@ constexpr DriverState nextState(DriverState state, DriverEvent event) {
 /// Whether commands are looked at, beyond being counted.
 constexpr bool takesCommands(DriverState s) {
   return s == DriverState::kReady || s == DriverState::kActive || s == DriverState::kHolding;
+}
+
+/// Whether every actuator is in its safe behaviour, or on its way there, and stays so until somebody asks for more.
+constexpr bool isSafe(DriverState s) {
+  return s == DriverState::kOff || s == DriverState::kSafe || s == DriverState::kFault;
 }
 
 /// Whether set points are written and devices read every cycle. Traffic feeds the devices' bus watchdogs, so in every

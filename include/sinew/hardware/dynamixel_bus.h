@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sinew/hardware/byte_stream.h"
+#include "sinew/hardware/device_bus.h"
 #include "sinew/hardware/dynamixel_packet.h"
 #include "sinew/hardware/servo_registers.h"
 
@@ -16,15 +17,6 @@ enum class BusStatus {
   kMissing,      ///< no answer within the time, or only damaged ones
   kDeviceError,  ///< the device answered that it did not do it
   kClosed        ///< the line is gone
-};
-
-/// Status packets that did not come as they should, counted since construction; what is open at the end of a
-/// transaction is counted with the next.
-struct BusCounters {
-  std::uint64_t corrupted = 0;     ///< damaged: wrong CRC, impossible header, noise of a packet's length
-  std::uint64_t missing = 0;       ///< expected and never seen in their time
-  std::uint64_t device_error = 0;  ///< sound, with their error field set
-  std::uint64_t stale = 0;         ///< sound, but answering nothing that was asked just now
 };
 
 /// One device's part in a read of many.

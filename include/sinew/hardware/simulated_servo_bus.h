@@ -11,6 +11,7 @@
 #include "sinew/hardware/byte_stream.h"
 #include "sinew/hardware/dynamixel_packet.h"
 #include "sinew/hardware/line_faults.h"
+#include "sinew/hardware/simulated_bus.h"
 #include "sinew/hardware/simulated_servo.h"
 
 namespace sinew {
@@ -26,38 +27,43 @@ namespace sinew {
 ///
 /// Servos are addressed by index 0 .. size()-1, in the order of the ids given. Every member may be called from any
 /// thread.
-class SimulatedServoBus {
+class SimulatedServoBus : public SimulatedBus {
  public:
   /// `ids`: bus ids, each once, 0 .. 252. `baud` sets the time that packets spend on the line.
   explicit SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud = 1000000,
                              const SimulatedServo::Parameters& parameters = {});
-  ~SimulatedServoBus();
+  /// Servos of different models.
+  SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud,
+                    const std::vector<SimulatedServo::Parameters>& parameters);
+  ~SimulatedServoBus() override;
   SimulatedServoBus(const SimulatedServoBus&) = delete;
   SimulatedServoBus& operator=(const SimulatedServoBus&) = delete;
 
-  int size() const { return static_cast<int>(servos_.size()); }
+  int size() const override { return static_cast<int>(servos_.size()); }
 
   // --- Mechanics ---
 
   /// Torque [N m] that the load exerts on the shaft of `servo`, positive towards increasing angle. A cable under
   /// tension T on a spool of radius r that reels in with positive rotation exerts -T r. Kept until set again.
-  void setLoadTorque(int servo, double torque);
+  void setLoadTorque(int servo, double torque) override;
   /// Shaft angle [rad], continuous over turns, positive counter-clockwise as the device counts. Starts at 0.
-  double shaftAngle(int servo) const;
+  double shaftAngle(int servo) const override;
   /// Turns the shaft by hand to `angle` [rad].
   void setShaftAngle(int servo, double angle);
   /// Torque [N m] that the motor exerted over the last step, same sign as the angle.
   double motorTorque(int servo) const;
   bool torqueEnabled(int servo) const;
+  bool energised(int servo) const override;
+  double pressure(int /*servo*/) const override { return 0; }
   /// Moves every shaft on by `dt` [s]: profiles, current limits, bus watchdog, alarms. The simulated time of the servos
   /// is the sum of the steps.
-  void step(double dt);
+  void step(double dt) override;
 
   // --- Serving a line ---
 
   /// Answers from a thread of its own until `stop()` or destruction. `line` must live as long.
-  void start(ByteStream& line);
-  void stop();
+  void start(ByteStream& line) override;
+  void stop() override;
   /// Serves once from the calling thread: waits up to `timeout` for bytes or for an answer that falls due, takes and
   /// sends what there is. kClosed when the line is gone, kTimeout when nothing happened.
   StreamStatus poll(ByteStream& line, Duration timeout);
@@ -72,17 +78,18 @@ class SimulatedServoBus {
   // --- Faults on request ---
 
   /// Switches line faults on (or off, with all probabilities 0) and restarts their random numbers.
-  void setLineFaults(const LineFaults& faults);
-  LineFaultCounts lineFaultCounts() const;
+  void setLineFaults(const LineFaults& faults) override;
+  LineFaultCounts lineFaultCounts() const override;
   /// A frozen servo neither answers nor moves.
-  void setFrozen(int servo, bool frozen);
+  void setFrozen(int servo, bool frozen) override;
   /// Temperature [degC]; above the servo's limit it raises the overheating alarm and shuts its motor down.
-  void setTemperature(int servo, double temperature);
+  void setTemperature(int servo, double temperature) override;
   /// Supply [V] of every servo. Below the minimum voltage limit they raise the voltage alarm; below the brown-out
   /// voltage they are off, and restart (torque off, multi-turn count lost) when it returns.
-  void setSupplyVoltage(double voltage);
+  void setSupplyVoltage(double voltage) override;
   /// Switches one servo off and on again: RAM back to its defaults, multi-turn count lost.
-  void powerCycle(int servo);
+  void powerCycle(int servo) override;
+  void setLeak(int /*servo*/, double /*rate*/) override {}
   /// Whether the devices know instruction 8A; older firmware answers it with an error.
   void setFastSyncReadSupported(bool supported);
   /// A copy of one servo, for checks that look inside.
@@ -99,6 +106,7 @@ class SimulatedServoBus {
   void answerFastSyncRead(const InstructionView& packet, Time received);
   void applySyncWrite(const InstructionView& packet);
   void send(std::vector<std::uint8_t> bytes, Time due);
+  void queue(std::vector<std::uint8_t> bytes, Time due);
   SimulatedServo* find(std::uint8_t id);
   Duration lineTime(std::size_t bytes) const;
 

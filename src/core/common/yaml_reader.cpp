@@ -19,9 +19,9 @@ std::string describe(const YAML::Node& node) {
   return text.size() <= 80 ? text : text.substr(0, 77) + "...";
 }
 
-std::string describeRange(double min, double max) {
+std::string describeRange(double min, double max, const std::string& unit) {
   std::ostringstream out;
-  out << "a number";
+  out << "a number" << (unit.empty() ? "" : " of ") << unit;
   if (std::isfinite(min) && std::isfinite(max)) {
     out << " from " << min << " to " << max;
   } else if (std::isfinite(min)) {
@@ -76,20 +76,33 @@ YamlReader YamlReader::fromText(const std::string& text, const std::string& name
   }
 }
 
+YamlReader YamlReader::over(const YamlReader& common) const {
+  YamlReader both = *this;
+  both.common_ = std::make_shared<const YamlReader>(common);
+  return both;
+}
+
+bool YamlReader::holds(const std::string& key) const {
+  const YAML::Node& node = node_;
+  return node[key].IsDefined();
+}
+
 bool YamlReader::has(const std::string& key) const {
   asked_->insert(key);
+  if (common_ && !holds(key)) return common_->has(key);
   const YAML::Node& node = node_;
-  return node[key].IsDefined() && !node[key].IsNull();
+  return holds(key) && !node[key].IsNull();
 }
 
 bool YamlReader::isList(const std::string& key) const {
-  return has(key) && node_[key].IsSequence();
+  return has(key) && require(key, "a list").IsSequence();
 }
 
-double YamlReader::number(const std::string& key, double min, double max) const {
-  const YAML::Node node = require(key, describeRange(min, max));
+double YamlReader::number(const std::string& key, double min, double max, const std::string& unit) const {
+  const std::string expected = describeRange(min, max, unit);
+  const YAML::Node node = require(key, expected);
   double value = 0;
-  if (!convert(node, value) || std::isnan(value) || value < min || value > max) fail(key, describeRange(min, max));
+  if (!convert(node, value) || std::isnan(value) || value < min || value > max) fail(key, expected);
   return value;
 }
 
@@ -97,10 +110,11 @@ double YamlReader::numberOr(const std::string& key, double otherwise, double min
   return has(key) ? number(key, min, max) : otherwise;
 }
 
-double YamlReader::positive(const std::string& key) const {
-  const YAML::Node node = require(key, "a number > 0");
+double YamlReader::positive(const std::string& key, const std::string& unit) const {
+  const std::string expected = "a number" + (unit.empty() ? "" : " of " + unit) + " > 0";
+  const YAML::Node node = require(key, expected);
   double value = 0;
-  if (!convert(node, value) || !std::isfinite(value) || value <= 0) fail(key, "a number > 0");
+  if (!convert(node, value) || !std::isfinite(value) || value <= 0) fail(key, expected);
   return value;
 }
 
@@ -211,6 +225,10 @@ std::vector<std::vector<std::string>> YamlReader::textLists(const std::string& k
 }
 
 YamlReader YamlReader::map(const std::string& key) const {
+  if (common_ && !holds(key) && common_->holds(key)) {
+    asked_->insert(key);
+    return common_->map(key);
+  }
   const YAML::Node node = require(key, "a mapping");
   if (!node.IsMap()) fail(key, "a mapping");
   return YamlReader(node, file_, prefix_ + key + ".");
@@ -230,18 +248,24 @@ std::vector<YamlReader> YamlReader::maps(const std::string& key) const {
 }
 
 void YamlReader::refuseUnknownKeys() const {
+  refuseKeysBeyond(*asked_);
+  if (common_) common_->refuseKeysBeyond(*asked_);
+}
+
+void YamlReader::refuseKeysBeyond(const std::set<std::string>& asked) const {
   std::set<std::string> present;
   for (const auto& item : node_) {
     const std::string key = item.first.Scalar();
     if (!present.insert(key).second) throw ConfigError(fullName(key), "the key twice", "each key once");
-    if (asked_->count(key) != 0) continue;
+    if (asked.count(key) != 0) continue;
     std::string expected = "only these keys:";
-    for (const std::string& known : *asked_) expected += " " + known;
+    for (const std::string& known : asked) expected += " " + known;
     throw ConfigError(fullName(key), "an unknown key", expected);
   }
 }
 
 void YamlReader::fail(const std::string& key, const std::string& expected) const {
+  if (common_ && !holds(key)) common_->fail(key, expected);
   const YAML::Node& node = node_;
   throw ConfigError(fullName(key), describe(node[key]), expected);
 }
@@ -255,8 +279,12 @@ std::string YamlReader::path(const std::string& key) const {
 
 YAML::Node YamlReader::require(const std::string& key, const std::string& expected) const {
   asked_->insert(key);
+  if (common_ && !holds(key)) {
+    if (common_->holds(key)) return common_->require(key, expected);
+    throw ConfigError(fullName(key) + " (or " + common_->prefix_ + key + ")", "nothing", expected);
+  }
   const YAML::Node& node = node_;
-  if (!node[key].IsDefined()) throw ConfigError(fullName(key), "nothing", expected);
+  if (!holds(key)) throw ConfigError(fullName(key), "nothing", expected);
   return node[key];
 }
 

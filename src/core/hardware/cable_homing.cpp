@@ -3,29 +3,29 @@
 namespace sinew {
 
 CableHoming::CableHoming(const std::vector<ActuatorDescription>& actuators) : set_points_(actuators.size(), 0.0) {
-  for (const ActuatorDescription& a : actuators) cables_.push_back({a.homing});
+  for (const ActuatorDescription& a : actuators) cables_.push_back({a.cable.homing});
 }
 
-void CableHoming::start(const std::vector<ServoReading>& readings, const std::vector<bool>& keep) {
+void CableHoming::start(const std::vector<ActuatorReading>& readings, const std::vector<bool>& keep) {
   failed_ = -1;
   for (std::size_t i = 0; i < cables_.size(); ++i) {
     Cable& c = cables_[i];
-    c.start = set_points_[i] = readings[i].displacement;
+    c.start = set_points_[i] = readings[i].measured;
     c.taut = 0;
-    c.done = keep[i] || c.homing.method == HomingMethod::kPresent;
+    c.done = keep[i] || c.homing.method != HomingMethod::kTension;
   }
 }
 
-CableHoming::Progress CableHoming::update(const std::vector<ServoReading>& readings, double dt) {
+CableHoming::Progress CableHoming::update(const std::vector<ActuatorReading>& readings, double dt) {
   bool all_done = true;
   for (std::size_t i = 0; i < cables_.size(); ++i) {
     Cable& c = cables_[i];
     if (c.done) continue;
-    if (readings[i].valid) c.taut = readings[i].tension >= c.homing.tension ? c.taut + 1 : 0;
+    if (readings[i].valid) c.taut = readings[i].effort >= c.homing.tension ? c.taut + 1 : 0;
     c.done = c.taut >= kTautReadings;
     all_done = all_done && c.done;
     if (c.done) {
-      set_points_[i] = readings[i].displacement;
+      set_points_[i] = readings[i].measured;
       continue;
     }
     if (c.taut == 0) set_points_[i] += c.homing.speed * dt;

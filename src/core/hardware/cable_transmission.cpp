@@ -26,7 +26,7 @@ std::int32_t CableTransmission::counts(double displacement) const {
 }
 
 double CableTransmission::amperes(std::int32_t current) const {
-  return sign_ * current * kAmperesPerUnit;
+  return sign_ * current * current_unit_;
 }
 
 double CableTransmission::tension(std::int32_t current) const {
@@ -34,7 +34,7 @@ double CableTransmission::tension(std::int32_t current) const {
 }
 
 std::int32_t CableTransmission::goalCurrent(double tension) const {
-  return static_cast<std::int32_t>(std::floor(tension * radius_ / torque_constant_ / kAmperesPerUnit));
+  return static_cast<std::int32_t>(std::floor(tension * radius_ / torque_constant_ / current_unit_));
 }
 
 std::int32_t CableTransmission::profileVelocity(double speed) const {

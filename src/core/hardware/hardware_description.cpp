@@ -1,210 +1,230 @@
 #include "sinew/hardware/hardware_description.h"
 
-#include <yaml-cpp/yaml.h>
-
-#include <cmath>
-#include <fstream>
-#include <functional>
-#include <limits>
+#include <algorithm>
 #include <set>
-#include <sstream>
+#include <tuple>
+#include <utility>
 
 #include "sinew/common/config_error.h"
+#include "sinew/common/yaml_reader.h"
 #include "sinew/hardware/command_gate.h"
 #include "sinew/hardware/dynamixel_packet.h"
 
 namespace sinew {
 namespace {
 
-/// A map of the file, its name in full, and the map that fills in what it leaves out.
-class Section {
- public:
-  Section(const YAML::Node& node, std::string path, const YAML::Node& common = {}, std::string common_path = {})
-      : node_(node), path_(std::move(path)), common_(common), common_path_(std::move(common_path)) {
-    if (!node_.IsMap()) throw ConfigError(path_, describe(node_), "a map");
-  }
+constexpr double kTiny = 1e-12;
+constexpr double kAnyNumber = 1e12;
+constexpr double kMinWatchdog = 0.02, kMaxWatchdog = 2.54;  // s: a Dynamixel counts 1 to 127 units of 20 ms
+constexpr int kMaxBuses = 8;
 
-  std::string nameOf(const std::string& key) const { return path_ + (path_.back() == ' ' ? "" : ".") + key; }
-
-  YAML::Node require(const std::string& key, const std::string& expected) {
-    known_.insert(key);
-    if (const YAML::Node found = std::as_const(node_)[key]) return found;
-    if (common_.IsMap())
-      if (const YAML::Node found = std::as_const(common_)[key]) return found;
-    throw ConfigError(nameOf(key) + (common_path_.empty() ? "" : " (or " + common_path_ + "." + key + ")"), "nothing",
-                      expected);
-  }
-
-  std::string text(const std::string& key, const std::string& expected) {
-    const YAML::Node n = require(key, expected);
-    if (!n.IsScalar() || n.Scalar().empty()) throw ConfigError(nameOf(key), describe(n), expected);
-    return n.Scalar();
-  }
-
-  bool flag(const std::string& key) {
-    const YAML::Node n = require(key, "true or false");
-    bool value = false;
-    if (!n.IsScalar() || !YAML::convert<bool>::decode(n, value))
-      throw ConfigError(nameOf(key), describe(n), "true or false");
-    return value;
-  }
-
-  double number(const std::string& key, double min, double max, const std::string& expected) {
-    const YAML::Node n = require(key, expected);
-    double value = 0;
-    if (!n.IsScalar() || !YAML::convert<double>::decode(n, value) || !(value >= min && value <= max))
-      throw ConfigError(nameOf(key), describe(n), expected);
-    return value;
-  }
-
-  int integer(const std::string& key, int min, int max, const std::string& expected) {
-    const double value = number(key, min, max, expected);
-    if (value != std::floor(value)) throw ConfigError(nameOf(key), std::to_string(value), expected);
-    return static_cast<int>(value);
-  }
-
-  Section section(const std::string& key) { return Section(require(key, "a map"), nameOf(key)); }
-
-  /// Call after the last key: whatever is left over is a misspelling.
-  void finish() const {
-    for (const auto& entry : node_) {
-      const std::string key = entry.first.as<std::string>();
-      if (known_.count(key) == 0) throw ConfigError(nameOf(key), "an unknown key", list());
-    }
-  }
-
-  const std::set<std::string>& known() const { return known_; }
-
-  static std::string describe(const YAML::Node& n) {
-    if (!n || n.IsNull()) return "nothing";
-    if (n.IsScalar()) return "'" + n.Scalar() + "'";
-    return n.IsMap() ? "a map" : "a list";
-  }
-
- private:
-  std::string list() const {
-    std::string out = "one of";
-    for (const std::string& k : known_) out += " " + k;
-    return out;
-  }
-
-  YAML::Node node_;
-  std::string path_;
-  YAML::Node common_;
-  std::string common_path_;
-  std::set<std::string> known_;
+// What a kind of device is called in the file, and the key with what its actuators have in common.
+struct DeviceKind {
+  DeviceType device;
+  BusType bus;
+  const char* name;
+  const char* common;
+  int max_id;
+};
+constexpr DeviceKind kKinds[] = {
+    {DeviceType::kDynamixel, BusType::kDynamixel, "dynamixel", "servo", kMaxServoId},
+    {DeviceType::kCanopen, BusType::kCan, "canopen", "drive", 127},
+    {DeviceType::kOdrive, BusType::kCan, "odrive", "odrive", 63},
+    {DeviceType::kPressureBoard, BusType::kCan, "pressure_board", "pressure_channel", 127},
+    {DeviceType::kPressureBoard, BusType::kPressureBoard, "pressure_board", "pressure_channel", 127},
 };
 
-constexpr double kTiny = 1e-12;
-
+/// One of the choices, which has to be there.
 template <typename T>
-T choose(Section& section, const std::string& key, const std::vector<std::pair<const char*, T>>& choices) {
+T choose(const YamlReader& yaml, const std::string& key, const std::vector<std::pair<std::string, T>>& choices) {
   std::string expected;
-  for (const auto& c : choices) expected += (expected.empty() ? "" : " or ") + std::string(c.first);
-  const std::string found = section.text(key, expected);
+  for (const auto& c : choices) expected += (expected.empty() ? "" : " or ") + c.first;
+  if (!yaml.has(key)) yaml.fail(key, expected);
+  const std::string found = yaml.text(key);
   for (const auto& c : choices)
     if (found == c.first) return c.second;
-  throw ConfigError(section.nameOf(key), "'" + found + "'", expected);
+  yaml.fail(key, expected);
 }
 
-HomingDescription readHoming(Section section) {
+HomingDescription readHoming(const YamlReader& yaml, DeviceType device) {
+  std::vector<std::pair<std::string, HomingMethod>> methods = {{"present", HomingMethod::kPresent},
+                                                               {"tension", HomingMethod::kTension}};
+  if (device == DeviceType::kCanopen) methods.emplace_back("device", HomingMethod::kDevice);
   HomingDescription homing;
-  homing.method = choose<HomingMethod>(section, "method",
-                                       {{"present", HomingMethod::kPresent}, {"tension", HomingMethod::kTension}});
+  homing.method = choose(yaml, "method", methods);
   if (homing.method == HomingMethod::kTension) {
-    homing.tension = section.number("tension", kTiny, 1e4, "N above 0");
-    homing.speed = section.number("speed", kTiny, 1, "m/s above 0");
-    homing.travel = section.number("travel", kTiny, 10, "m above 0");
+    homing.tension = yaml.positive("tension", "N");
+    homing.speed = yaml.positive("speed", "m/s");
+    homing.travel = yaml.positive("travel", "m");
   }
-  section.finish();
+  yaml.refuseUnknownKeys();
   return homing;
 }
 
-ActuatorDescription readActuator(Section& section) {
-  ActuatorDescription a;
-  a.name = section.text("name", "a name");
-  a.id = static_cast<std::uint8_t>(section.integer("id", 0, kMaxServoId, "a bus id, 0 to 252"));
-  a.spool_radius = section.number("spool_radius", 1e-4, 1, "m, 0.0001 to 1");
-  a.sign = choose<int>(section, "sign", {{"1", 1}, {"+1", 1}, {"-1", -1}});
-  a.displacement_min = section.number("displacement_min", -100, 100, "m");
-  a.displacement_max = section.number("displacement_max", a.displacement_min + kTiny, 100, "m above displacement_min");
-  a.rate_max = section.number("rate_max", kTiny, 100, "m/s above 0");
-  a.tension_max = section.number("tension_max", kTiny, 1e5, "N above 0");
-  a.torque_constant = section.number("torque_constant", kTiny, 1e3, "N m/A above 0");
-  a.on_timeout = choose<OnTimeout>(section, "on_timeout", {{"hold", OnTimeout::kHold}, {"relax", OnTimeout::kRelax}});
-  a.homing = readHoming(section.section("homing"));
-  if (a.homing.tension >= a.tension_max)
-    throw ConfigError(section.nameOf("homing.tension"), std::to_string(a.homing.tension), "N below tension_max");
-  section.finish();
-  return a;
+CableDescription readCable(const YamlReader& yaml, DeviceType device) {
+  CableDescription cable;
+  cable.spool_radius = yaml.number("spool_radius", 1e-4, 1, "m");
+  cable.sign = choose<int>(yaml, "sign", {{"1", 1}, {"+1", 1}, {"-1", -1}});
+  cable.torque_constant = yaml.positive("torque_constant", "N m/A");
+  cable.tension_max = yaml.positive("tension_max", "N");
+  const YamlReader homing = yaml.map("homing");
+  cable.homing = readHoming(homing, device);
+  if (cable.homing.tension >= cable.tension_max) homing.fail("tension", "N below tension_max");
+  return cable;
 }
 
-void checkUnique(const std::vector<ActuatorDescription>& actuators, const std::string& path) {
+WatchDescription readWatch(const YamlReader& yaml, Quantity quantity) {
+  WatchDescription watch;
+  watch.difference_max =
+      yaml.number("difference_max", kTiny, YamlReader::kInfinity, quantity == Quantity::kPressure ? "Pa" : "m");
+  watch.time = yaml.number("time", 0, 60, "s");
+  if (quantity == Quantity::kDisplacement) {
+    watch.effort_missing = yaml.number("tension_missing", kTiny, YamlReader::kInfinity, "N");
+    watch.temperature_max = yaml.number("temperature_max", kTiny, YamlReader::kInfinity, "degC");
+    watch.current_max = yaml.number("current_max", kTiny, YamlReader::kInfinity, "A");
+  } else {
+    watch.pressure_max = yaml.number("pressure_max", kTiny, YamlReader::kInfinity, "Pa");
+  }
+  yaml.refuseUnknownKeys();
+  return watch;
+}
+
+/// The actuator's own keys, and below them those that all of its kind have in common.
+class ActuatorReader {
+ public:
+  ActuatorReader(const YamlReader& top, const HardwareDescription& hardware) : top_(top), hardware_(hardware) {}
+
+  ActuatorDescription read(const YamlReader& own) {
+    ActuatorDescription a;
+    a.name = own.text("name");
+    a.bus = readBus(own);
+    const DeviceKind& kind = readKind(own, hardware_.buses[static_cast<std::size_t>(a.bus)].type);
+    a.device = kind.device;
+    const bool common = top_.has(kind.common);
+    const YamlReader yaml = common ? own.over(top_.map(kind.common)) : own;
+    a.id = yaml.integer("id", 0, kind.max_id);
+    readLimits(yaml, a);
+    if (yaml.has("watch")) a.watch = readWatch(yaml.map("watch"), a.quantity);
+    a.settings = readSettings(yaml, a.device);
+    yaml.refuseUnknownKeys();
+    return a;
+  }
+
+ private:
+  int readBus(const YamlReader& own) const {
+    if (hardware_.buses.size() == 1 && !own.has("bus")) return 0;
+    std::vector<std::pair<std::string, int>> choices;
+    for (const BusDescription& b : hardware_.buses) choices.emplace_back(b.name, static_cast<int>(choices.size()));
+    return choose(own, "bus", choices);
+  }
+
+  static const DeviceKind& readKind(const YamlReader& own, BusType bus) {
+    std::vector<std::pair<std::string, const DeviceKind*>> choices;
+    for (const DeviceKind& k : kKinds)
+      if (k.bus == bus) choices.emplace_back(k.name, &k);
+    if (choices.size() == 1 && !own.has("device")) return *choices.front().second;
+    return *choose(own, "device", choices);
+  }
+
+  static void readLimits(const YamlReader& yaml, ActuatorDescription& a) {
+    if (a.device == DeviceType::kPressureBoard) {
+      a.quantity = Quantity::kPressure;
+      a.channel = yaml.integer("channel", 0, 15);
+      a.min = yaml.number("pressure_min", -101325, kAnyNumber, "Pa");
+      a.max = yaml.number("pressure_max", a.min + kTiny, kAnyNumber, "Pa");
+      a.on_timeout = choose<OnTimeout>(yaml, "on_timeout", {{"hold", OnTimeout::kHold}, {"vent", OnTimeout::kVent}});
+    } else {
+      a.min = yaml.number("displacement_min", -100, 100, "m");
+      a.max = yaml.number("displacement_max", a.min + kTiny, 100, "m");
+      a.on_timeout = choose<OnTimeout>(yaml, "on_timeout", {{"hold", OnTimeout::kHold}, {"relax", OnTimeout::kRelax}});
+      a.cable = readCable(yaml, a.device);
+    }
+    a.rate_max = yaml.positive("rate_max", a.quantity == Quantity::kPressure ? "Pa/s" : "m/s");
+  }
+
+  static DeviceSettings readSettings(const YamlReader& /*yaml*/, DeviceType /*device*/) { return {}; }
+
+  const YamlReader& top_;
+  const HardwareDescription& hardware_;
+};
+
+void checkUnique(const std::vector<ActuatorDescription>& actuators, const YamlReader& top) {
   std::set<std::string> names;
-  std::set<int> ids;
+  std::set<std::tuple<int, DeviceType, int, int>> places;
   for (const ActuatorDescription& a : actuators) {
-    if (!names.insert(a.name).second) throw ConfigError(path + ".name", "'" + a.name + "' twice", "each name once");
-    if (!ids.insert(a.id).second) throw ConfigError(path + ".id", std::to_string(a.id) + " twice", "each id once");
+    if (!names.insert(a.name).second) top.fail("actuators", "each name once, but '" + a.name + "' comes twice");
+    if (!places.insert({a.bus, a.device, a.id, a.channel}).second)
+      top.fail("actuators", "each id and channel of a bus once, but id " + std::to_string(a.id) + " of '" + a.name +
+                                "' comes twice");
   }
 }
 
-void readBus(Section bus, HardwareDescription& h) {
-  choose<int>(bus, "protocol", {{"dynamixel2", 0}});
-  h.port = bus.text("port", "the path of a serial port");
-  h.baud = bus.integer("baud", 9600, 4500000, "baud, 9600 to 4500000");
-  h.simulated = bus.flag("simulated");
-  h.reply_timeout = bus.number("reply_timeout", 1e-4, 1, "s, 0.0001 to 1");
-  h.missing_limit = bus.integer("missing_limit", 1, 10000, "a number of cycles, at least 1");
-  bus.finish();
+BusDescription readBus(const YamlReader& yaml, const std::string& name) {
+  BusDescription bus;
+  bus.name = name;
+  bus.type = choose<BusType>(
+      yaml, "protocol",
+      {{"dynamixel2", BusType::kDynamixel}, {"can", BusType::kCan}, {"pressure_board", BusType::kPressureBoard}});
+  bus.port = yaml.text("port");
+  if (bus.isCanInterface()) {
+    bus.baud = yaml.integerOr("bitrate", 0, 0, 1000000);  // for the record: the interface has its own
+  } else {
+    const bool can = bus.type == BusType::kCan;
+    bus.baud = can ? yaml.integer("bitrate", 10000, 1000000) : yaml.integer("baud", 9600, 4500000);
+  }
+  bus.simulated = yaml.flagOr("simulated", false);
+  bus.reply_timeout = yaml.number("reply_timeout", 1e-4, 1, "s");
+  bus.missing_limit = yaml.integer("missing_limit", 1, 10000);
+  yaml.refuseUnknownKeys();
+  return bus;
 }
 
-HardwareDescription read(const YAML::Node& root, const std::string& source) {
+std::vector<BusDescription> readBuses(const YamlReader& top) {
+  std::vector<BusDescription> buses;
+  if (top.has("bus") || !top.has("buses")) return {readBus(top.map("bus"), "bus")};
+  for (const YamlReader& yaml : top.maps("buses")) {
+    const std::string name = yaml.text("name");
+    for (const BusDescription& b : buses)
+      if (b.name == name) yaml.fail("name", "each name once");
+    buses.push_back(readBus(yaml, name));
+  }
+  if (buses.empty() || buses.size() > kMaxBuses) top.fail("buses", "a list of 1 to " + std::to_string(kMaxBuses));
+  return buses;
+}
+
+HardwareDescription read(const YamlReader& file) {
   HardwareDescription h;
-  Section file(root, source + ": ");
-  Section top = file.section("hardware");
-  readBus(top.section("bus"), h);
-  h.rate = top.number("rate", 1, 2000, "Hz, 1 to 2000");
-  h.command_timeout = top.number("command_timeout", 1e-3, 10, "s, 0.001 to 10");
-  h.hold_limit = top.number("hold_limit", 0, 3600, "s, 0 to 3600");
-  h.relax_time = top.number("relax_time", 0, 60, "s, 0 to 60");
-  h.bus_watchdog = top.number("bus_watchdog", 0.02, 2.54, "s, 0.02 to 2.54 (the devices count 20 ms units)");
-  if (h.bus_watchdog < 2 / h.rate)
-    throw ConfigError(top.nameOf("bus_watchdog"), std::to_string(h.bus_watchdog), "s, at least two periods of rate");
-  const YAML::Node common = top.require("servo", "a map with what all actuators have in common");
-  const YAML::Node list = top.require("actuators", "a list of actuators");
-  if (!list.IsSequence() || list.size() == 0 || list.size() > kMaxActuators)
-    throw ConfigError(top.nameOf("actuators"), Section::describe(list) + " of " + std::to_string(list.size()),
-                      "a list of 1 to " + std::to_string(kMaxActuators));
-  std::set<std::string> known;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    Section section(list[i], top.nameOf("actuators[" + std::to_string(i) + "]"), common, top.nameOf("servo"));
-    h.actuators.push_back(readActuator(section));
-    known = section.known();
+  const YamlReader top = file.map("hardware");
+  h.buses = readBuses(top);
+  h.rate = top.number("rate", 1, 2000, "Hz");
+  h.command_timeout = top.number("command_timeout", 1e-3, 10, "s");
+  h.hold_limit = top.number("hold_limit", 0, 3600, "s");
+  h.relax_time = top.number("relax_time", 0, 60, "s");
+  h.bus_watchdog = top.number("bus_watchdog", kMinWatchdog, kMaxWatchdog, "s");
+  if (h.bus_watchdog < 2 / h.rate) top.fail("bus_watchdog", "s, at least two periods of rate");
+  if (top.has("emergency_stop")) {
+    const YamlReader stop = top.map("emergency_stop");
+    h.emergency_stop.input = stop.text("input");
+    stop.refuseUnknownKeys();
   }
-  for (const auto& entry : common)
-    if (known.count(entry.first.as<std::string>()) == 0)
-      throw ConfigError(top.nameOf("servo." + entry.first.as<std::string>()), "an unknown key", "a key of an actuator");
-  checkUnique(h.actuators, top.nameOf("actuators"));
-  top.finish();
+  const std::vector<YamlReader> list = top.maps("actuators");
+  if (list.empty() || list.size() > kMaxActuators)
+    top.fail("actuators", "a list of 1 to " + std::to_string(kMaxActuators));
+  ActuatorReader reader(top, h);
+  for (const YamlReader& own : list) h.actuators.push_back(reader.read(own));
+  checkUnique(h.actuators, top);
+  top.refuseUnknownKeys();
   return h;
 }
 
 }  // namespace
 
 HardwareDescription HardwareDescription::parse(const std::string& text, const std::string& source) {
-  try {
-    return read(YAML::Load(text), source);
-  } catch (const YAML::Exception& e) {
-    throw ConfigError(source + ": " + e.what());
-  }
+  return read(YamlReader::fromText(text, source));
 }
 
 HardwareDescription HardwareDescription::load(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw ConfigError("hardware description", "'" + path + "'", "a readable YAML file");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse(text.str(), path);
+  return read(YamlReader::fromFile(path));
 }
 
 std::vector<std::string> HardwareDescription::names() const {
@@ -213,10 +233,22 @@ std::vector<std::string> HardwareDescription::names() const {
   return out;
 }
 
-std::vector<std::uint8_t> HardwareDescription::ids() const {
-  std::vector<std::uint8_t> out;
-  for (const ActuatorDescription& a : actuators) out.push_back(a.id);
+std::vector<Quantity> HardwareDescription::quantities() const {
+  std::vector<Quantity> out;
+  for (const ActuatorDescription& a : actuators) out.push_back(a.quantity);
   return out;
+}
+
+std::vector<int> HardwareDescription::actuatorsOn(int bus) const {
+  std::vector<int> out;
+  for (std::size_t i = 0; i < actuators.size(); ++i)
+    if (actuators[i].bus == bus) out.push_back(static_cast<int>(i));
+  return out;
+}
+
+DeviceTiming HardwareDescription::timing(int bus) const {
+  const BusDescription& b = buses[static_cast<std::size_t>(bus)];
+  return {1 / rate, bus_watchdog, b.reply_timeout, b.missing_limit};
 }
 
 }  // namespace sinew

@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+
+#include "sinew/hardware/actuator_fault.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kSeedTolerance = 1e-4;    // m by which a first command may differ from the measurement
 constexpr double kMaxIntervalPeriods = 2;  // a stalled cycle may not leap further than this many rate steps
 constexpr double kProbePeriod = 0.5;       // s between looks at devices that are not served
 
 std::vector<CommandLimiter::Limits> makeLimits(const HardwareDescription& h) {
   std::vector<CommandLimiter::Limits> limits;
-  for (const ActuatorDescription& a : h.actuators)
-    limits.push_back({a.displacement_min, a.displacement_max, a.rate_max});
+  for (const ActuatorDescription& a : h.actuators) limits.push_back({a.min, a.max, a.rate_max});
   return limits;
 }
 
@@ -22,6 +23,11 @@ std::string format(const char* text, double value) {
   char out[128];
   std::snprintf(out, sizeof out, text, value);
   return out;
+}
+
+// "1.20 mm", "3.4 kPa"
+std::string describeDistance(double distance, Quantity quantity) {
+  return quantity == Quantity::kPressure ? format("%.1f kPa", 1e-3 * distance) : format("%.2f mm", 1e3 * distance);
 }
 
 DriverEvent eventOf(DriverRequest request) {
@@ -33,6 +39,8 @@ DriverEvent eventOf(DriverRequest request) {
       return DriverEvent::kRecover;
     case DriverRequest::kHalt:
       return DriverEvent::kHalt;
+    case DriverRequest::kEmergency:
+      return DriverEvent::kEmergency;
     case DriverRequest::kShutdown:
       break;
   }
@@ -49,26 +57,31 @@ const char* reasonOf(DriverRequest request) {
       return "recovering";
     case DriverRequest::kHalt:
       return "halted: holding until recover";
+    case DriverRequest::kEmergency:
+      return "emergency stop: safe until recover";
     case DriverRequest::kShutdown:
       break;
   }
   return "shut down";
 }
 
+bool wakesDevices(DriverRequest request) {
+  return request == DriverRequest::kInit || request == DriverRequest::kHome || request == DriverRequest::kRecover;
+}
+
 }  // namespace
 
-HardwareDriver::HardwareDriver(const HardwareDescription& description, LineFactory open_line)
+HardwareDriver::HardwareDriver(const HardwareDescription& description, std::unique_ptr<DeviceBus> devices)
     : description_(description),
-      open_line_(std::move(open_line)),
-      chain_(description),
+      devices_(std::move(devices)),
       limiter_(makeLimits(description), kMaxIntervalPeriods / description.rate),
       homing_(description.actuators),
+      watch_(description.actuators),
+      release_(description.actuators.size(), description.relax_time),
       keep_zero_(description.actuators.size(), false),
       target_(description.actuators.size(), 0.0),
-      tension_limits_(description.actuators.size(), 0.0),
       measured_(description.actuators.size(), 0.0) {
-  release_.which.assign(target_.size(), false);
-  release_.tension.assign(target_.size(), 0.0);
+  expected_.fill(std::numeric_limits<double>::quiet_NaN());
   report_.reason.reserve(256);
   report_.reason = "not initialised";
   fillReport(Time{});
@@ -78,10 +91,21 @@ HardwareDriver::HardwareDriver(const HardwareDescription& description, LineFacto
 
 bool HardwareDriver::request(DriverRequest request) {
   if (request == DriverRequest::kHome && state_ != DriverState::kReady) return false;
+  if (report_.emergency_stop && wakesDevices(request)) return false;
   home_all_ = request == DriverRequest::kRecover ? home_all_ && state_ == DriverState::kOff : true;
-  const bool taken = handle(eventOf(request), reasonOf(request));
+  bool taken = handle(eventOf(request), reasonOf(request));
+  if (request == DriverRequest::kEmergency && !taken && state_ != DriverState::kOff) {
+    startRelease(false);  // after a halt, say, which lets nothing go
+    taken = true;
+  }
   fillReport(last_update_);
   return taken || (request == DriverRequest::kShutdown && state_ == DriverState::kOff);
+}
+
+void HardwareDriver::setEmergencyStop(bool pressed) {
+  if (pressed == report_.emergency_stop) return;
+  report_.emergency_stop = pressed;
+  if (pressed) request(DriverRequest::kEmergency);
 }
 
 bool HardwareDriver::handle(DriverEvent event, const std::string& reason) {
@@ -103,7 +127,8 @@ void HardwareDriver::enter(DriverState state, DriverEvent event) {
       break;
     case DriverState::kInitialising:
       gate_.release();
-      release_.active = false;
+      release_.stop();
+      watch_.reset();
       set_up_ = SetUp::kOpen;
       break;
     case DriverState::kReady:
@@ -112,7 +137,7 @@ void HardwareDriver::enter(DriverState state, DriverEvent event) {
       target_ = limiter_.applied();
       break;
     case DriverState::kSafe:
-      if (event == DriverEvent::kHoldLimit) startRelease(false);
+      if (event != DriverEvent::kHalt) startRelease(false);
       break;
     case DriverState::kFault:
       startRelease(false);
@@ -130,17 +155,21 @@ void HardwareDriver::enter(DriverState state, DriverEvent event) {
 CommandVerdict HardwareDriver::offer(const Command& command) {
   CommandVerdict verdict = gate_.check(command);
   if (verdict == CommandVerdict::kAccepted && !mayFollow(command)) verdict = CommandVerdict::kState;
-  if (verdict != CommandVerdict::kAccepted) {
+  if (verdict == CommandVerdict::kAccepted)
+    follow(command);
+  else
     gate_.refuse(verdict);
-    return verdict;
-  }
+  return verdict;
+}
+
+void HardwareDriver::follow(const Command& command) {
   gate_.accept(command);
   std::copy(command.value.begin(), command.value.begin() + static_cast<std::ptrdiff_t>(target_.size()),
             target_.begin());
+  expected_ = command.effort;
   if (command.status == CommandStatus::kHeld && last_status_ != CommandStatus::kHeld) held_since_ = command.received;
   last_status_ = command.status;
   if (handle(DriverEvent::kCommand, "")) held_since_ = command.received;
-  return verdict;
 }
 
 // Out of ready and holding, only a command that asks for no jump is followed.
@@ -148,16 +177,15 @@ bool HardwareDriver::mayFollow(const Command& command) {
   if (!takesCommands(state_)) return false;
   if (state_ == DriverState::kActive) return true;
   for (std::size_t i = 0; i < target_.size(); ++i) {
-    const double step = description_.actuators[i].rate_max / description_.rate;
+    const ActuatorDescription& a = description_.actuators[i];
+    const double step = a.rate_max / description_.rate;
     const double from_applied = std::abs(command.value[i] - limiter_.applied()[i]);
     const double from_measured = std::abs(command.value[i] - measured_[i]);
-    const double off = state_ == DriverState::kReady ? std::min(from_applied, from_measured) : from_applied;
-    if (off <= std::max(step, kSeedTolerance)) continue;
     const bool ready = state_ == DriverState::kReady;
-    report_.reason =
-        description_.actuators[i].name + ": command refused, " +
-        format(ready ? "%.2f mm from the measured position" : "%.2f mm from the held set point; call recover",
-               1e3 * off);
+    const double off = ready ? std::min(from_applied, from_measured) : from_applied;
+    if (off <= std::max(step, a.seedTolerance())) continue;
+    report_.reason = a.name + ": command refused, " + describeDistance(off, a.quantity) +
+                     (ready ? " from what is measured" : " from the held set point; call recover");
     return false;
   }
   return true;
@@ -197,18 +225,41 @@ const DriverReport& HardwareDriver::update(Time now) {
 }
 
 void HardwareDriver::serve(Time now, double interval) {
-  if (state_ == DriverState::kActive) limiter_.update(target_, interval);
-  if (!checkLine(chain_.writeSetPoints(limiter_.applied()) && chain_.read(now))) return;
-  if (!chain_.checkHealth()) lose(chain_.problem());
+  if (state_ == DriverState::kActive)
+    limiter_.update(target_, interval);
+  else
+    expected_.fill(std::numeric_limits<double>::quiet_NaN());
+  if (!exchange(limiter_.applied(), now) || !checkHealth()) return;
+  if (watch_.update(devices_->readings(), limiter_.applied(), expected_.data(), interval)) return;
+  for (std::size_t i = 0; i < target_.size(); ++i)
+    if (watch_.fault(static_cast<int>(i)) != 0) return fail(i, watch_.fault(static_cast<int>(i)));
 }
 
-bool HardwareDriver::checkLine(bool usable) {
-  if (!usable) lose("the line to the devices is gone");
+bool HardwareDriver::exchange(const std::vector<double>& set_points, Time now) {
+  const bool usable = devices_->writeSetPoints(set_points.data(), now) && devices_->read(now);
+  if (!usable) lose(devices_->problem());
   return usable;
 }
 
+bool HardwareDriver::checkHealth() {
+  const std::vector<ActuatorReading>& readings = devices_->readings();
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    if (readings[i].fault == 0) continue;
+    fail(i, readings[i].fault);
+    return false;
+  }
+  return true;
+}
+
+void HardwareDriver::fail(std::size_t actuator, std::uint32_t fault) {
+  const ActuatorDescription& a = description_.actuators[actuator];
+  const std::string detail = devices_->faultDetail(static_cast<int>(actuator));
+  lose(a.name + " (id " + std::to_string(a.id) + ") " + describeFault(fault) +
+       (detail.empty() ? "" : " (" + detail + ")"));
+}
+
 void HardwareDriver::lose(const std::string& reason) {
-  if (handle(DriverEvent::kFailure, reason) && line_ != nullptr) last_probe_ = last_update_;
+  if (handle(DriverEvent::kFailure, reason)) last_probe_ = last_update_;
 }
 
 // --- Set-up ---
@@ -216,131 +267,118 @@ void HardwareDriver::lose(const std::string& reason) {
 void HardwareDriver::updateInitialising(Time now, double interval) {
   switch (set_up_) {
     case SetUp::kOpen:
-      openLine();
+      openLines();
       break;
     case SetUp::kConfigure: {
-      const ServoChain::Progress progress = chain_.updateSetUp(now);
-      if (progress == ServoChain::Progress::kFailed) lose(chain_.problem());
-      if (progress == ServoChain::Progress::kDone) set_up_ = SetUp::kFirstReading;
+      const SetUpProgress progress = devices_->updateSetUp(now);
+      if (progress == SetUpProgress::kFailed) lose(devices_->problem());
+      if (progress == SetUpProgress::kDone) set_up_ = SetUp::kFirstReading;
+      for (std::size_t i = 0; i < target_.size(); ++i) target_[i] = devices_->readings()[i].measured;
       break;
     }
-    case SetUp::kFirstReading: {
-      if (!checkLine(chain_.read(now))) return;
-      if (!chain_.checkHealth()) return lose(chain_.problem());
-      const auto& servos = chain_.readings();
-      if (!std::all_of(servos.begin(), servos.end(), [](const ServoReading& r) { return r.valid; })) return;
-      for (std::size_t i = 0; i < servos.size(); ++i) keep_zero_[i] = !home_all_ && servos[i].zero_valid;
-      homing_.start(servos, keep_zero_);
-      set_up_ = SetUp::kHoming;
+    case SetUp::kFirstReading:
+      takeFirstReading(now);
       break;
-    }
     case SetUp::kHoming:
       updateHoming(interval, now);
       break;
   }
 }
 
-void HardwareDriver::openLine() {
-  std::string why = "no line";
-  line_ = open_line_(why);
-  chain_.attach(line_.get());
-  if (line_ == nullptr) return lose(why);
-  chain_.startSetUp();
+void HardwareDriver::openLines() {
+  std::string why;
+  if (!devices_->open(why)) return lose(why);
+  devices_->startSetUp(home_all_);
   set_up_ = SetUp::kConfigure;
 }
 
+void HardwareDriver::takeFirstReading(Time now) {
+  if (!exchange(target_, now) || !checkHealth()) return;
+  const std::vector<ActuatorReading>& readings = devices_->readings();
+  if (!std::all_of(readings.begin(), readings.end(), [](const ActuatorReading& r) { return r.valid; })) return;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const ActuatorDescription& a = description_.actuators[i];
+    const bool by_itself = a.quantity == Quantity::kPressure || a.cable.homing.method == HomingMethod::kDevice;
+    keep_zero_[i] = readings[i].zero_valid && (!home_all_ || by_itself);
+  }
+  homing_.start(readings, keep_zero_);
+  set_up_ = SetUp::kHoming;
+}
+
 void HardwareDriver::updateHoming(double interval, Time now) {
-  const CableHoming::Progress progress = homing_.update(chain_.readings(), interval);
+  const CableHoming::Progress progress = homing_.update(devices_->readings(), interval);
   if (progress == CableHoming::Progress::kDone) return finishHoming();
   if (progress == CableHoming::Progress::kFailed)
     return lose(description_.actuators[static_cast<std::size_t>(homing_.failed())].name +
                 " found no tension while homing; is the cable on its spool?");
-  if (!checkLine(chain_.writeSetPoints(homing_.setPoints()) && chain_.read(now))) return;
-  if (!chain_.checkHealth()) lose(chain_.problem());
+  if (exchange(homing_.setPoints(), now)) checkHealth();
 }
 
 void HardwareDriver::finishHoming() {
   for (std::size_t i = 0; i < keep_zero_.size(); ++i)
-    if (!keep_zero_[i]) chain_.setZero(static_cast<int>(i), 0);
-  for (std::size_t i = 0; i < measured_.size(); ++i) measured_[i] = chain_.readings()[i].displacement;
-  handle(DriverEvent::kPrepared, "holding the measured position, waiting for the first command");
+    if (!keep_zero_[i]) devices_->setZero(static_cast<int>(i), 0);
+  for (std::size_t i = 0; i < measured_.size(); ++i) measured_[i] = devices_->readings()[i].measured;
+  handle(DriverEvent::kPrepared, "holding what is measured, waiting for the first command");
 }
 
 // --- Letting go ---
 
 void HardwareDriver::startRelease(bool all) {
-  release_.active = line_ != nullptr;
-  release_.started = false;
-  for (std::size_t i = 0; i < release_.which.size(); ++i) {
-    release_.which[i] = all || description_.actuators[i].on_timeout == OnTimeout::kRelax;
-    const double tension_max = description_.actuators[i].tension_max;
-    release_.tension[i] = std::min(tension_max, std::max(0., chain_.readings()[i].tension));
-    tension_limits_[i] = tension_max;
-  }
-  if (std::none_of(release_.which.begin(), release_.which.end(), [](bool b) { return b; })) release_.active = false;
+  if (!devices_->isOpen()) return;
+  std::vector<bool> which(target_.size());
+  for (std::size_t i = 0; i < which.size(); ++i)
+    which[i] = all || description_.actuators[i].on_timeout != OnTimeout::kHold;
+  release_.start(which);
 }
 
-// The tension that each cable had goes to nothing over relax_time, then the torque goes off.
+// The effort that each had goes to nothing over relax_time, then it is switched off.
 void HardwareDriver::updateRelease(Time now) {
-  if (!release_.started) release_.start = now;
-  release_.started = true;
-  const double left = description_.relax_time - seconds(now - release_.start);
-  if (left <= 0) {
-    release_.active = false;
-    chain_.release(release_.which);
-    if (!chain_.release(release_.which)) line_.reset();  // sync writes have no answer: said twice
+  const double share = release_.share(now);
+  if (share > 0) {
+    devices_->relax(release_.which(), share);
     return;
   }
-  for (std::size_t i = 0; i < tension_limits_.size(); ++i)
-    if (release_.which[i]) tension_limits_[i] = release_.tension[i] * left / description_.relax_time;
-  if (!chain_.writeTensionLimits(tension_limits_)) release_.active = false;
+  devices_->switchOff(release_.which());
+  release_.stop();
 }
 
 void HardwareDriver::updateIdle(Time now) {
-  if (release_.active) return updateRelease(now);
+  if (release_.active()) return updateRelease(now);
   if (state_ == DriverState::kOff) {
-    chain_.attach(nullptr);
-    line_.reset();
+    devices_->close();
   } else if (now - last_probe_ >= duration(kProbePeriod)) {
     last_probe_ = now;
     probe(now);
   }
 }
 
-// Rare enough not to feed any bus watchdog. The link comes back by itself; moving again needs recover.
+// Rare enough not to feed any device's watchdog. The link comes back by itself; moving again needs recover.
 void HardwareDriver::probe(Time now) {
-  if (line_ == nullptr) {
-    std::string why;
-    line_ = open_line_(why);
-    chain_.attach(line_.get());
-    if (line_ == nullptr) return;
-  }
-  if (!chain_.read(now)) {
-    chain_.attach(nullptr);
-    line_.reset();
-    lose("the line to the devices is gone");
-    return;
-  }
-  const auto& servos = chain_.readings();
-  const bool all = std::all_of(servos.begin(), servos.end(), [](const ServoReading& r) { return r.missing == 0; });
+  std::string why;
+  if (!devices_->open(why)) return;
+  if (!devices_->read(now)) return lose(devices_->problem());
+  const std::vector<ActuatorReading>& readings = devices_->readings();
+  const bool all =
+      std::all_of(readings.begin(), readings.end(), [](const ActuatorReading& r) { return r.missing == 0; });
   constexpr const char* kBack = "; all devices answer now, call recover";
   if (state_ == DriverState::kFault && all && report_.reason.find(kBack) == std::string::npos) report_.reason += kBack;
 }
 
 void HardwareDriver::fillReport(Time now) {
-  const std::vector<ServoReading>& servos = chain_.readings();
-  for (std::size_t i = 0; i < measured_.size(); ++i) measured_[i] = servos[i].displacement;
+  report_.actuators = devices_->readings();
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    measured_[i] = report_.actuators[i].measured;
+    report_.actuators[i].fault |= watch_.fault(static_cast<int>(i));
+  }
   // Where nothing holds a set point, it follows the measurement, so that whoever commands next starts from there.
-  const bool holds = takesCommands(state_);
   report_.state = state_;
-  report_.servos = servos;
-  report_.applied = holds ? limiter_.applied() : measured_;
+  report_.applied = takesCommands(state_) ? limiter_.applied() : measured_;
   report_.command_age = gate_.age(now);
   report_.session = gate_.session();
   report_.sequence = gate_.sequence();
   report_.commands = gate_.counters();
-  report_.bus = chain_.counters();
-  report_.relaxing = release_.active;
+  report_.bus = devices_->counters();
+  report_.relaxing = release_.active();
 }
 
 }  // namespace sinew

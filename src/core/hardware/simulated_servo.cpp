@@ -73,23 +73,12 @@ constexpr Field kFields[] = {
     {reg::kPresentTemperature, false, 0, 0, 0},
 };
 
-// Two blocks of 28 indirect addresses (2 bytes each) followed somewhere by the 28 bytes they stand for.
-struct IndirectBlock {
-  std::size_t addresses, data;
-};
-constexpr IndirectBlock kIndirect[] = {{168, 224}, {578, 634}};
-constexpr std::size_t kIndirectCount = 28;
+constexpr std::size_t kIndirectAddresses = 168;  // 2 bytes each
 
 const Field* findField(std::size_t address) {
   for (const Field& f : kFields)
     if (f.at.address == address) return &f;
   return nullptr;
-}
-
-bool inIndirectAddresses(std::size_t address) {
-  for (const IndirectBlock& b : kIndirect)
-    if (address >= b.addresses && address < b.addresses + 2 * kIndirectCount) return true;
-  return false;
 }
 
 bool isGoal(ServoRegister r) {
@@ -107,7 +96,32 @@ SimulatedServo::SimulatedServo(std::uint8_t id, const Parameters& parameters) : 
   for (const Field& f : kFields) set(f.at, f.initial);
   set(reg::kId, id);
   set(reg::kFirmwareVersion, parameters.firmware);
+  set(reg::kModelNumber, parameters.model);
+  set(reg::kMinVoltageLimit, parameters.min_voltage);
+  set(reg::kMaxVoltageLimit, parameters.max_voltage);
+  set(reg::kCurrentLimit, parameters.current_limit);
+  voltage_ = parameters.voltage;
   boot();
+}
+
+SimulatedServo::Parameters SimulatedServo::Parameters::makeXl330M288() {
+  Parameters p;
+  p.torque_constant = 0.52 / 1.47;
+  p.stall_torque = 0.52;
+  p.no_load_speed = 103 * 2 * kPi / 60;
+  p.damping = 0.002;
+  p.friction = 0.002;
+  p.brown_out = 3;
+  p.firmware = 48;
+  p.model = 1200;
+  p.amperes_per_unit = 1e-3;
+  p.current_limit = 1750;
+  p.min_voltage = 35;
+  p.max_voltage = 70;
+  p.voltage = 5;
+  p.indirect_data = 208;
+  p.indirect_count = 20;
+  return p;
 }
 
 void SimulatedServo::set(ServoRegister r, std::int32_t value) {
@@ -122,9 +136,8 @@ std::int32_t SimulatedServo::value(ServoRegister r) const {
 void SimulatedServo::boot() {
   for (const Field& f : kFields)
     if (f.at.address >= kEepromEnd) set(f.at, f.initial);
-  for (const IndirectBlock& b : kIndirect)
-    for (std::size_t i = 0; i < kIndirectCount; ++i)
-      encodeRegister(static_cast<std::int32_t>(b.data + i), 2, &memory_[b.addresses + 2 * i]);
+  for (std::uint16_t i = 0; i < parameters_.indirect_count; ++i)
+    encodeRegister(parameters_.indirect_data + i, 2, &memory_[kIndirectAddresses + 2u * i]);
   registered_size_ = 0;
   idle_time_ = 0;
   boot_milliseconds_ = milliseconds_;
@@ -166,12 +179,14 @@ std::uint8_t SimulatedServo::errorField(ServoError error) const {
 
 // Where the byte at `address` really lives: indirect data stands for the byte its indirect address names.
 std::size_t SimulatedServo::resolve(std::size_t address) const {
-  for (const IndirectBlock& b : kIndirect) {
-    if (address < b.data || address >= b.data + kIndirectCount) continue;
-    const std::uint8_t* p = &memory_[b.addresses + 2 * (address - b.data)];
-    return static_cast<std::size_t>(p[0] | p[1] << 8);
-  }
-  return address;
+  const std::size_t first = parameters_.indirect_data;
+  if (address < first || address >= first + parameters_.indirect_count) return address;
+  const std::uint8_t* p = &memory_[kIndirectAddresses + 2 * (address - first)];
+  return static_cast<std::size_t>(p[0] | p[1] << 8);
+}
+
+bool SimulatedServo::inIndirectAddresses(std::size_t address) const {
+  return address >= kIndirectAddresses && address < kIndirectAddresses + 2u * parameters_.indirect_count;
 }
 
 ServoError SimulatedServo::read(std::size_t address, std::size_t size, std::uint8_t* data) {
@@ -292,10 +307,12 @@ void SimulatedServo::refreshPresent() {
   set(reg::kMoving, moving ? 1 : 0);
   set(reg::kMovingStatus, arrived ? 1 : 0);
   const double volts = std::max(voltage_, 1e-3);
-  const double pwm = (torque_ / parameters_.stall_torque + omega_ / parameters_.no_load_speed) * 12 / volts;
+  const double pwm =
+      (torque_ / parameters_.stall_torque + omega_ / parameters_.no_load_speed) * parameters_.voltage / volts;
   set(reg::kPresentPwm, static_cast<std::int32_t>(std::lround(885 * clampAbs(pwm, 1))) * direction());
   const double amperes = torque_ / parameters_.torque_constant;
-  set(reg::kPresentCurrent, static_cast<std::int32_t>(std::lround(amperes / kAmperesPerUnit)) * direction());
+  set(reg::kPresentCurrent,
+      static_cast<std::int32_t>(std::lround(amperes / parameters_.amperes_per_unit)) * direction());
   set(reg::kPresentVelocity, static_cast<std::int32_t>(std::lround(omega_ / kRadiansPerSecondPerUnit)) * direction());
   set(reg::kPresentPosition, position);
   set(reg::kVelocityTrajectory,
@@ -400,20 +417,23 @@ void SimulatedServo::updateProfile(double dt) {
 double SimulatedServo::torqueLimit() const {
   int units = value(reg::kCurrentLimit);
   if (mode() == OperatingMode::kCurrentBasedPosition) units = std::min(units, std::abs(value(reg::kGoalCurrent)));
-  const double by_current = units * kAmperesPerUnit * parameters_.torque_constant;
-  const double by_voltage = parameters_.stall_torque * voltage_ / 12 * std::abs(value(reg::kGoalPwm)) / 885.;
+  const double by_current = units * parameters_.amperes_per_unit * parameters_.torque_constant;
+  const double by_voltage =
+      parameters_.stall_torque * voltage_ / parameters_.voltage * std::abs(value(reg::kGoalPwm)) / 885.;
   return std::min(by_current, by_voltage);
 }
 
 double SimulatedServo::calcMotorTorque(double dt) const {
   if (mode() == OperatingMode::kCurrent) {
-    const double amperes = watchdogTripped() ? 0 : value(reg::kGoalCurrent) * kAmperesPerUnit * direction();
+    const double amperes =
+        watchdogTripped() ? 0 : value(reg::kGoalCurrent) * parameters_.amperes_per_unit * direction();
     return clampAbs(parameters_.torque_constant * amperes, torqueLimit());
   }
   if (mode() == OperatingMode::kPwm) {
     const double duty = watchdogTripped() ? 0 : value(reg::kGoalPwm) / 885. * direction();
     const double slope = parameters_.stall_torque / parameters_.no_load_speed;  // torque lost per rad/s
-    const double omega = (duty * parameters_.stall_torque * voltage_ / 12 + load_) / (parameters_.damping + slope);
+    const double omega =
+        (duty * parameters_.stall_torque * voltage_ / parameters_.voltage + load_) / (parameters_.damping + slope);
     return parameters_.damping * omega - load_;
   }
   double omega = profile_.velocity;

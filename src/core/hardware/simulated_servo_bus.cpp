@@ -32,11 +32,15 @@ std::vector<std::uint8_t> makeStatus(std::uint8_t id, std::uint8_t error, const 
 
 SimulatedServoBus::SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud,
                                      const SimulatedServo::Parameters& parameters)
+    : SimulatedServoBus(ids, baud, std::vector<SimulatedServo::Parameters>(ids.size(), parameters)) {}
+
+SimulatedServoBus::SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud,
+                                     const std::vector<SimulatedServo::Parameters>& parameters)
     : baud_(baud) {
-  for (const std::uint8_t id : ids) {
-    if (id > kMaxServoId || find(id) != nullptr)
-      throw ConfigError("simulated servo id", std::to_string(id), "each id once, 0 to 252");
-    servos_.emplace_back(id, parameters);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] > kMaxServoId || find(ids[i]) != nullptr)
+      throw ConfigError("simulated servo id", std::to_string(ids[i]), "each id once, 0 to 252");
+    servos_.emplace_back(ids[i], parameters.at(i));
   }
 }
 
@@ -79,6 +83,11 @@ double SimulatedServoBus::motorTorque(int servo) const {
 bool SimulatedServoBus::torqueEnabled(int servo) const {
   const Lock lock(mutex_);
   return servos_.at(index(servo)).torqueEnabled();
+}
+
+bool SimulatedServoBus::energised(int servo) const {
+  const Lock lock(mutex_);
+  return servos_.at(index(servo)).energised();
 }
 
 void SimulatedServoBus::step(double dt) {
@@ -181,9 +190,17 @@ void SimulatedServoBus::send(std::vector<std::uint8_t> bytes, Time ready) {
   } else if (u < faults_.corrupt + faults_.drop + faults_.delay) {
     ++counts_.delayed;
     due += duration(faults_.delay_time);
+  } else if (u < faults_.corrupt + faults_.drop + faults_.delay + faults_.duplicate) {
+    ++counts_.duplicated;
+    line_free_ += lineTime(bytes.size());
+    queue(bytes, line_free_);
   } else {
     ++counts_.sent;
   }
+  queue(std::move(bytes), due);
+}
+
+void SimulatedServoBus::queue(std::vector<std::uint8_t> bytes, Time due) {
   const auto later = [](Time t, const Answer& a) { return t < a.due; };
   answers_.insert(std::upper_bound(answers_.begin(), answers_.end(), due, later), Answer{due, std::move(bytes)});
 }
