@@ -14,7 +14,7 @@ ActuatorInbox::ActuatorInbox(ros::NodeHandle node, std::shared_ptr<const RobotMo
   subscriber_ = node.subscribe("actuator_state", 1, &ActuatorInbox::onState, this, ros::TransportHints().tcpNoDelay());
 }
 
-ActuatorReading ActuatorInbox::latest() const {
+DriverReading ActuatorInbox::latest() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return reading_;
 }

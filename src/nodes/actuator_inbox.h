@@ -18,10 +18,10 @@ class ActuatorInbox {
   ActuatorInbox(ros::NodeHandle node, std::shared_ptr<const RobotModel> robot);
 
   /// The cycle's end of the exchange.
-  NewestWins<ActuatorReading>& newest() { return newest_; }
+  NewestWins<DriverReading>& newest() { return newest_; }
 
   /// A copy for threads that may wait.
-  ActuatorReading latest() const;
+  DriverReading latest() const;
   /// Why the driver is in its state, in its own words.
   std::string driverReason() const;
 
@@ -33,9 +33,9 @@ class ActuatorInbox {
 
   std::shared_ptr<const RobotModel> robot_;
   mutable std::mutex mutex_;
-  ActuatorReading reading_;  // under mutex_
+  DriverReading reading_;  // under mutex_
   std::string reason_;       // under mutex_
-  NewestWins<ActuatorReading> newest_;
+  NewestWins<DriverReading> newest_;
   RefusalLog refusals_;
   std::string topic_;
   ros::Subscriber subscriber_;

@@ -104,7 +104,7 @@ void ControlCycle::readInboxes() {
   inboxes_.targets.newest().update();
   inboxes_.obstacles.newest().update();
   if (!inboxes_.actuators.newest().update()) return;
-  const ActuatorReading& reading = inboxes_.actuators.newest().front();
+  const DriverReading& reading = inboxes_.actuators.newest().front();
   if (reading.session == session_.session && session_.session != 0) {
     session_.applied.addReport(reading.sequence, reading.applied);
   }
@@ -132,7 +132,7 @@ void ControlCycle::updateObstacles() {
 
 // Disabled, the model goes where the actuators are measured to be, no faster than they may move.
 void ControlCycle::follow() {
-  const ActuatorReading& reading = inboxes_.actuators.newest().front();
+  const DriverReading& reading = inboxes_.actuators.newest().front();
   if (isFresh(reading, begin_, settings_.driver_timeout)) {
     for (int i = 0; i < session_.followed.size(); ++i) {
       const Limits& limits = robot_->actuators()[static_cast<std::size_t>(i)].displacement;
@@ -174,7 +174,7 @@ void ControlCycle::control() {
 
 const char* ControlCycle::findReasonToStop() const {
   if (!session_.with_driver) return nullptr;
-  const ActuatorReading& reading = inboxes_.actuators.newest().front();
+  const DriverReading& reading = inboxes_.actuators.newest().front();
   if (!isFresh(reading, begin_, settings_.driver_timeout)) return "disabled: the driver's state stopped arriving";
   if (!takesCommands(reading.driver_state)) return "disabled: the driver left the states that take commands";
   if (reading.session != session_.session && begin_ - session_.enabled_since > kSessionGrace) {
@@ -229,6 +229,10 @@ void ControlCycle::handCommand() {
   record->sequence = session_.sequence;
   record->status = session_.output.status;
   record->displacement = session_.output.displacement;
+  if (record->status == CycleStatus::kHeld)
+    record->effort.setConstant(std::numeric_limits<double>::quiet_NaN());
+  else
+    record->effort = session_.output.effort;
   publisher_.handCommand();
 }
 
@@ -293,7 +297,7 @@ void ControlCycle::listInputs(CycleRecord& record) const {
   for (const ObstacleSighting& sighting : inboxes_.obstacles.newest().front()) {
     if (sighting.receipt >= 0) record.addInput(inboxes_.obstacles.topic(), sighting.source);
   }
-  const ActuatorReading& reading = inboxes_.actuators.newest().front();
+  const DriverReading& reading = inboxes_.actuators.newest().front();
   if (reading.receipt >= 0) record.addInput(inboxes_.actuators.topic(), reading.source);
 }
 

@@ -97,7 +97,7 @@ void ControlReport::reportInputs(Status& status) {
   reportRefusals("obstacles", obstacles_.refusals(), obstacle_refusals_, status);
   status.add("targets accepted", targets_.accepted());
   status.add("obstacles accepted", obstacles_.accepted());
-  const ActuatorReading reading = actuators_.latest();
+  const DriverReading reading = actuators_.latest();
   status.add("driver", reading.receipt < 0 ? "nothing heard" : nameOfDriverState(reading.driver_state));
   status.addf("driver state age [s]", "%.3f", reading.receipt < 0 ? -1.0 : steadyNow() - reading.receipt);
 }

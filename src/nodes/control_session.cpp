@@ -20,7 +20,7 @@ bool takesCommands(std::uint8_t driver_state) {
          driver_state == ActuatorState::HOLDING;
 }
 
-bool isFresh(const ActuatorReading& reading, double now, double timeout) {
+bool isFresh(const DriverReading& reading, double now, double timeout) {
   return reading.receipt >= 0 && now - reading.receipt <= timeout;
 }
 

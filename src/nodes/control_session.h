@@ -29,6 +29,6 @@ struct ControlSession {
 bool takesCommands(std::uint8_t driver_state);
 
 /// Whether the driver has been heard of within `timeout` [s] before `now` [s, steady].
-bool isFresh(const ActuatorReading& reading, double now, double timeout);
+bool isFresh(const DriverReading& reading, double now, double timeout);
 
 }  // namespace sinew

@@ -13,6 +13,7 @@ void CycleRecord::addInput(const std::string& topic, const MessageStamp& source)
 CommandRecord makeCommandRecord(const RobotModel& robot) {
   CommandRecord record;
   record.displacement = VecX::Zero(robot.actuatorCount());
+  record.effort = VecX::Zero(robot.actuatorCount());
   return record;
 }
 

@@ -14,6 +14,7 @@ struct CommandRecord {
   std::uint32_t session = 0, sequence = 0;
   CycleStatus status = CycleStatus::kHeld;
   VecX displacement;  ///< m
+  VecX effort;        ///< N that the model expects with it; not a number where it does not know
 };
 
 /// Which message a cycle used.

@@ -49,7 +49,7 @@ void Enabling::reset() {
 
 std::string Enabling::enable() {
   if (mode_.enabled()) return "";
-  const ActuatorReading reading = actuators_.latest();
+  const DriverReading reading = actuators_.latest();
   const bool with_driver = settings_.require_driver || isFresh(reading, steadyNow(), settings_.driver_timeout);
   if (with_driver) {
     const std::string reason = findReasonNotTo(reading);
@@ -76,7 +76,7 @@ void Enabling::beginSession(const VecX& start) {
   session_.enabled_since = steadyNow();
 }
 
-std::string Enabling::findReasonNotTo(const ActuatorReading& reading) const {
+std::string Enabling::findReasonNotTo(const DriverReading& reading) const {
   if (!isFresh(reading, steadyNow(), settings_.driver_timeout)) {
     return reading.receipt < 0 ? "no message on " + actuators_.topic() + " yet: is the driver running?"
                                : "the last message on " + actuators_.topic() + " is older than driver_timeout";

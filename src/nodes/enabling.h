@@ -25,7 +25,7 @@ class Enabling {
   void reset();
 
  private:
-  std::string findReasonNotTo(const ActuatorReading& reading) const;
+  std::string findReasonNotTo(const DriverReading& reading) const;
   std::string resynchronise(const VecX& measured);
   std::string compareFirstCommand(const VecX& measured) const;
   void beginSession(const VecX& start);

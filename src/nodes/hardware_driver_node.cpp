@@ -8,9 +8,9 @@
 #include <exception>
 #include <functional>
 
+#include "line_opener.h"
 #include "parameters.h"
 #include "real_time.h"
-#include "sinew/hardware/serial_port.h"
 
 namespace sinew {
 namespace {
@@ -24,33 +24,34 @@ constexpr double kSwitchOffTime = 2;           // s beyond relax_time
 
 HardwareDescription loadDescription(const Parameters& parameters) {
   HardwareDescription description = HardwareDescription::load(parameters.text("hardware"));
-  description.port = parameters.textOr("port", description.port);
+  if (parameters.has("port")) description.movePorts(parameters.text("port"));
   return description;
 }
 
-bool isSimulatedTime() {
-  bool simulated = ros::Time::isSimTime();
-  if (!simulated) ros::param::get("/use_sim_time", simulated);
-  return simulated;
+std::string listPorts(const HardwareDescription& description) {
+  std::string list;
+  for (const BusDescription& bus : description.buses) list += (list.empty() ? "" : ", ") + bus.port;
+  return list;
 }
 
 }  // namespace
 
 HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle private_node)
     : description_(loadDescription(Parameters(private_node))),
-      simulated_(Parameters(private_node).flagOr("simulated", description_.simulated)),
       auto_init_(Parameters(private_node).flagOr("auto_init", false)),
-      driver_(description_, [this](std::string& why) { return openPort(why); }),
-      reader_(description_.names()),
+      driver_(description_,
+              makeBusGroup(description_, makeLineOpener(Parameters(private_node).flagOr("simulated", false)))),
+      reader_(description_.names(), description_.quantities()),
       for_services_(driver_.report()),
       for_diagnostics_(driver_.report()),
       node_(node),
       service_node_(private_node),
       service_thread_(service_queue_),
-      diagnostics_(node, private_node) {
-  const std::size_t size = description_.actuators.size();
+      diagnostics_(node, private_node),
+      emergency_stops_(node, description_.emergency_stop.input, [this] { wake_up_.signal(); }) {
   message_.name = description_.names();
-  message_.mode.assign(size, ActuatorCommand::DISPLACEMENT);
+  for (const Quantity quantity : description_.quantities())
+    message_.mode.push_back(static_cast<std::uint8_t>(quantity));
   state_ = node_.advertise<ActuatorState>("actuator_state", 10);
   command_ = node_.subscribe("actuator_command", kCommandBacklog, &HardwareDriverNode::onCommand, this,
                              ros::TransportHints().tcpNoDelay());
@@ -59,8 +60,9 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
   advertiseVerb("home", DriverRequest::kHome);
   advertiseVerb("recover", DriverRequest::kRecover);
   advertiseVerb("halt", DriverRequest::kHalt);
+  advertiseVerb("emergency_stop", DriverRequest::kEmergency);
   advertiseVerb("shutdown", DriverRequest::kShutdown);
-  diagnostics_.setHardwareID(description_.port);
+  diagnostics_.setHardwareID(listPorts(description_));
   diagnostics_.add("hardware driver", this, &HardwareDriverNode::diagnose);
   diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0),
                                              [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
@@ -83,23 +85,11 @@ void HardwareDriverNode::advertiseVerb(const std::string& verb, DriverRequest re
   verbs_.push_back(service_node_.advertiseService(verb, callback));
 }
 
-// A real robot must not be moved by a recording or by a simulation that shares its topics.
-std::shared_ptr<ByteStream> HardwareDriverNode::openPort(std::string& why) const {
-  if (!simulated_ && !isPseudoTerminal(description_.port) && isSimulatedTime()) {
-    why = description_.port + " is a real port, which stays closed while /use_sim_time is true";
-    return nullptr;
-  }
-  auto port = std::make_shared<SerialPort>();
-  if (port->open(description_.port, description_.baud)) return port;
-  why = port->error();
-  return nullptr;
-}
-
 // --- Callbacks ---
 
 void HardwareDriverNode::onCommand(const ActuatorCommand::ConstPtr& message) {
   const Command command = reader_.read(message->session, message->sequence, message->status, message->name,
-                                       message->mode, message->value, Clock::now());
+                                       message->mode, message->value, message->effort, Clock::now());
   if (!commands_.push(command)) ++overruns_;
   wake_up_.signal();
 }
@@ -113,7 +103,8 @@ bool HardwareDriverNode::onVerb(const std::string& verb, DriverRequest request, 
   const bool settled = taken && settle(request);
   for_services_.update();
   const DriverReport& report = for_services_.front();
-  const std::string state = name(report.state) + (report.reason.empty() ? "" : ": " + report.reason);
+  const std::string state = name(report.state) + (report.reason.empty() ? "" : ": " + report.reason) +
+                            (report.emergency_stop ? "; the emergency stop is pressed" : "");
   response.success = settled;
   response.message = taken ? state : verb + " is not possible now (" + state + ")";
   return true;
@@ -127,6 +118,7 @@ bool HardwareDriverNode::settle(DriverRequest request) {
     const DriverReport& report = for_services_.front();
     if (report.state == DriverState::kInitialising || report.relaxing) continue;
     if (request == DriverRequest::kHalt) return report.state == DriverState::kSafe;
+    if (request == DriverRequest::kEmergency) return isSafe(report.state);
     if (request == DriverRequest::kShutdown) return report.state == DriverState::kOff;
     return takesCommands(report.state);
   }
@@ -158,6 +150,7 @@ void HardwareDriverNode::waitForCycle(Time last, bool commanded) {
 
 // Returns whether a command came.
 bool HardwareDriverNode::takeInputs() {
+  driver_.setEmergencyStop(emergency_stops_.pressed());
   const int request = request_.exchange(kNoRequest);
   if (request != kNoRequest) {
     auto_init_ = false;
@@ -183,24 +176,25 @@ void HardwareDriverNode::retryInit() {
 }
 
 void HardwareDriverNode::publish(const DriverReport& report) {
-  const std::size_t size = report.servos.size();
+  const std::size_t size = report.actuators.size();
   for (auto* values : {&message_.measured, &message_.effort, &message_.current, &message_.temperature})
     values->resize(size);
   message_.measured_valid.resize(size);
   message_.zero_valid.resize(size);
   message_.fault.resize(size);
   for (std::size_t i = 0; i < size; ++i) {
-    const ServoReading& servo = report.servos[i];
-    message_.measured[i] = servo.displacement;
-    message_.measured_valid[i] = servo.valid;
-    message_.effort[i] = servo.tension;
-    message_.current[i] = servo.current;
-    message_.temperature[i] = servo.temperature;
-    message_.zero_valid[i] = servo.zero_valid;
-    message_.fault[i] = servo.fault;
+    const ActuatorReading& actuator = report.actuators[i];
+    message_.measured[i] = actuator.measured;
+    message_.measured_valid[i] = actuator.valid;
+    message_.effort[i] = actuator.effort;
+    message_.current[i] = actuator.current;
+    message_.temperature[i] = actuator.temperature;
+    message_.zero_valid[i] = actuator.zero_valid;
+    message_.fault[i] = actuator.fault;
   }
   message_.header.stamp = ros::Time::now();
   message_.applied = report.applied;
+  message_.emergency_stop = report.emergency_stop;
   message_.driver_state = static_cast<std::uint8_t>(report.state);
   message_.reason = report.reason;
   message_.command_age = report.command_age;
@@ -228,7 +222,8 @@ void HardwareDriverNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
   const bool well = takesCommands(report.state) && report.state != DriverState::kHolding;
   const std::string reason = report.reason.empty() ? "" : ": " + report.reason;
   status.summary(bad ? Status::ERROR : well ? Status::OK : Status::WARN, name(report.state) + reason);
-  status.add("port", description_.port);
+  status.add("ports", listPorts(description_));
+  status.add("emergency stop", report.emergency_stop ? "pressed" : "free");
   status.add("cycles", report.cycles);
   status.add("commands accepted", report.commands.accepted);
   status.add("commands refused: session", report.commands.session);
@@ -241,10 +236,14 @@ void HardwareDriverNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("packets missing", report.bus.missing);
   status.add("packets stale", report.bus.stale);
   status.add("packets with device error", report.bus.device_error);
-  for (std::size_t i = 0; i < report.servos.size(); ++i) {
-    const ServoReading& servo = report.servos[i];
-    status.addf(message_.name[i], "%.1f V, %.0f degC, %.1f N, zero %s, fault 0x%X", servo.voltage, servo.temperature,
-                servo.tension, servo.zero_valid ? "valid" : "unknown", servo.fault);
+  for (std::size_t i = 0; i < report.actuators.size(); ++i) {
+    const ActuatorReading& actuator = report.actuators[i];
+    const bool pressure = description_.actuators[i].quantity == Quantity::kPressure;
+    status.addf(
+        message_.name[i],
+        pressure ? "%.1f V, %.0f degC, %.0f Pa, zero %s, fault 0x%X" : "%.1f V, %.0f degC, %.1f N, zero %s, fault 0x%X",
+        actuator.voltage, actuator.temperature, actuator.effort, actuator.zero_valid ? "valid" : "unknown",
+        actuator.fault);
   }
 }
 
@@ -259,7 +258,7 @@ void HardwareDriverNode::shutDown() {
     const DriverReport& report = for_services_.front();
     if (request_ == kNoRequest && report.state == DriverState::kOff && !report.relaxing) return;
   }
-  ROS_WARN("the actuators could not be switched off; their bus watchdogs stop them");
+  ROS_WARN("the actuators could not be switched off; their own watchdogs stop them");
 }
 
 }  // namespace sinew

@@ -8,11 +8,11 @@
 #include <std_srvs/Trigger.h>
 
 #include <atomic>
-#include <memory>
 #include <string>
 #include <thread>
 
 #include "callback_thread.h"
+#include "emergency_stops.h"
 #include "hardware_driver_wake_up.h"
 #include "sinew/common/newest_wins.h"
 #include "sinew/hardware/command_queue.h"
@@ -20,11 +20,11 @@
 
 namespace sinew {
 
-/// Carries commands to the servos and their state back.
+/// Carries commands to the devices and their state back.
 ///
-/// Three threads: callbacks of commands and diagnostics; services, which may wait for their outcome; and the bus, which
-/// alone touches the driver and publishes after every cycle. A command wakes the bus at once, but no earlier than half
-/// a period after its last cycle; without commands it runs at its own rate.
+/// Three threads: callbacks of commands and diagnostics; services, which may wait for their outcome; and the buses,
+/// whose thread alone touches the driver and publishes after every cycle. A command wakes it at once, but no earlier
+/// than half a period after its last cycle; without commands it runs at its own rate.
 class HardwareDriverNode {
  public:
   /// Throws ConfigError for wrong parameters.
@@ -39,7 +39,6 @@ class HardwareDriverNode {
   enum class Answer { kWaiting, kRefused, kTaken };
 
   void advertiseVerb(const std::string& verb, DriverRequest request);
-  std::shared_ptr<ByteStream> openPort(std::string& why) const;
   void onCommand(const ActuatorCommand::ConstPtr& message);
   bool onVerb(const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response);
   bool settle(DriverRequest request);
@@ -51,7 +50,6 @@ class HardwareDriverNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   HardwareDescription description_;
-  bool simulated_;
   bool auto_init_;
   HardwareDriver driver_;
   CommandReader reader_;
@@ -74,6 +72,7 @@ class HardwareDriverNode {
   ros::Subscriber command_;
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;
+  EmergencyStops emergency_stops_;
   std::thread bus_;
 };
 

@@ -144,14 +144,14 @@ Pose toPose(const geometry_msgs::Pose& message) {
   return pose;
 }
 
-ActuatorReading makeReading(const RobotModel& robot) {
-  ActuatorReading reading;
+DriverReading makeReading(const RobotModel& robot) {
+  DriverReading reading;
   reading.measured = VecX::Zero(robot.actuatorCount());
   reading.applied = VecX::Zero(robot.actuatorCount());
   return reading;
 }
 
-std::optional<Refusal> updateReading(const ActuatorState& message, const RobotModel& robot, ActuatorReading& reading) {
+std::optional<Refusal> updateReading(const ActuatorState& message, const RobotModel& robot, DriverReading& reading) {
   const auto count = static_cast<std::size_t>(robot.actuatorCount());
   if (auto refusal = checkSizes(message, count)) return refusal;
   std::vector<int> indices;
@@ -237,6 +237,7 @@ ActuatorCommand makeCommandMessage(const RobotModel& robot) {
   for (const ActuatorLimits& actuator : robot.actuators()) message.name.push_back(actuator.name);
   message.mode.assign(message.name.size(), ActuatorCommand::DISPLACEMENT);
   message.value.assign(message.name.size(), 0.0);
+  message.effort.assign(message.name.size(), 0.0);
   return message;
 }
 
@@ -322,6 +323,7 @@ void updateCommandMessage(const CommandRecord& record, ActuatorCommand& message)
   message.status = toStatus(record.status);
   for (std::size_t i = 0; i < message.value.size(); ++i) {
     message.value[i] = record.displacement[static_cast<Eigen::Index>(i)];
+    message.effort[i] = record.effort[static_cast<Eigen::Index>(i)];
   }
 }
 

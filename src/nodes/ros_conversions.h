@@ -42,7 +42,7 @@ struct MessageStamp {
 };
 
 /// What the driver says of the actuators, in the order of the robot's description.
-struct ActuatorReading {
+struct DriverReading {
   VecX measured;              ///< m
   VecX applied;               ///< m
   bool all_measured = false;  ///< the last read of every actuator succeeded
@@ -54,10 +54,10 @@ struct ActuatorReading {
   double receipt = -1;  ///< s, steady; negative before the first
 };
 
-ActuatorReading makeReading(const RobotModel& robot);
+DriverReading makeReading(const RobotModel& robot);
 
 /// Fills `reading`, except for its receipt, or says why the message is refused.
-std::optional<Refusal> updateReading(const ActuatorState& message, const RobotModel& robot, ActuatorReading& reading);
+std::optional<Refusal> updateReading(const ActuatorState& message, const RobotModel& robot, DriverReading& reading);
 
 /// Sizes, names and finite numbers. `effectors` becomes the index of each name.
 std::optional<Refusal> checkTargets(const EffectorTargets& message, const RobotModel& robot,

@@ -1,4 +1,4 @@
-// Stands in for the robot: servos on a pseudo-terminal, a body of finite elements that they pull at, and a tracker.
+// Stands in for the robot: its devices on pseudo-terminals, a body of finite elements that they pull at, and a tracker.
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <geometry_msgs/PoseStamped.h>
@@ -28,15 +28,13 @@
 #include "simulated_robot_node_plant.h"
 #include "simulated_robot_node_settings.h"
 #include "simulated_robot_node_tracker.h"
-#include "simulated_robot_node_winches.h"
 #include "sinew/common/newest_wins.h"
-#include "sinew/hardware/pseudo_terminal.h"
-#include "sinew/hardware/simulated_servo_bus.h"
+#include "sinew/hardware/simulated_hardware.h"
 
 namespace sinew {
 namespace {
 
-constexpr double kServoPeriod = 0.002;  // s
+constexpr double kDevicePeriod = 0.002;  // s
 
 geometry_msgs::Pose makePose(const VecX& effectors, size_t effector) {
   geometry_msgs::Pose pose;
@@ -61,25 +59,25 @@ class SimulatedRobotNode {
   SimulatedRobotNode(ros::NodeHandle node, ros::NodeHandle private_node, const SimulatedRobotSettings& settings)
       : settings_(settings),
         plant_(makePlant(settings)),
-        bus_(settings.ids(), settings.baud),
-        reeled_in_(VecX::Zero(bus_.size())),
-        tension_(VecX::Zero(bus_.size())),
-        faults_(bus_, settings.actuators(), settings.line, [this](double duration) { disconnect(duration); }),
+        hardware_(settings.hardware),
+        reeled_in_(VecX::Zero(static_cast<Eigen::Index>(settings.winches.size()))),
+        tension_(VecX::Zero(static_cast<Eigen::Index>(settings.winches.size()))),
+        faults_(hardware_, settings.line, [this](int bus, double time) { disconnect(bus, time); }),
+        reconnect_timers_(static_cast<size_t>(hardware_.buses())),
         tracker_(settings.tracker),
         node_(node),
         obstacles_(makeObstacles(node, plant_.sharedRobot())),
         diagnostics_(node, private_node) {
     advertise(private_node);
-    connect();
-    servo_thread_ = std::thread([this] { moveServos(); });
+    for (int bus = 0; bus < hardware_.buses(); ++bus) connect(bus);
+    device_thread_ = std::thread([this] { moveDevices(); });
     body_thread_ = std::thread([this] { moveBody(); });
   }
 
   ~SimulatedRobotNode() {
     running_ = false;
     body_thread_.join();
-    servo_thread_.join();
-    bus_.stop();
+    device_thread_.join();
   }
 
  private:
@@ -105,23 +103,20 @@ class SimulatedRobotNode {
     });
   }
 
-  void connect() {
-    terminal_ = std::make_unique<PseudoTerminal>(settings_.port_link);
-    bus_.start(*terminal_);
-    ROS_INFO("servos answer at %s",
-             settings_.port_link.empty() ? terminal_->path().c_str() : settings_.port_link.c_str());
+  void connect(int bus) {
+    hardware_.connect(bus);
+    ROS_INFO("devices answer at %s", hardware_.port(bus).c_str());
   }
 
-  void disconnect(double duration) {
-    bus_.stop();
-    terminal_.reset();
-    reconnect_timer_ = node_.createWallTimer(
-        ros::WallDuration(duration), [this](const ros::WallTimerEvent&) { reconnect(); }, true);
+  void disconnect(int bus, double time) {
+    hardware_.disconnect(bus);
+    reconnect_timers_[static_cast<size_t>(bus)] = node_.createWallTimer(
+        ros::WallDuration(time), [this, bus](const ros::WallTimerEvent&) { reconnect(bus); }, true);
   }
 
-  void reconnect() {
+  void reconnect(int bus) {
     try {
-      connect();
+      connect(bus);
     } catch (const std::exception& error) {
       ROS_ERROR("the line stays away: %s", error.what());
     }
@@ -135,22 +130,25 @@ class SimulatedRobotNode {
     return true;
   }
 
-  void moveServos() {
-    PeriodicWakeUp wake_up(kServoPeriod);
+  void moveDevices() {
+    PeriodicWakeUp wake_up(kDevicePeriod);
     double moved_until = steadyNow();
     while (running_) {
       wake_up.wait();
       const double now = steadyNow();
-      if (tension_.update()) applyTension(tension_.front(), settings_.winches, bus_);
-      bus_.step(now - moved_until);
+      tension_.update();
+      for (size_t k = 0; k < settings_.winches.size(); ++k)
+        hardware_.setTension(settings_.winches[k], tension_.front()[static_cast<Eigen::Index>(k)]);
+      hardware_.step(now - moved_until);
       moved_until = now;
-      calcReeledIn(bus_, settings_.winches, reeled_in_.back());
+      for (size_t k = 0; k < settings_.winches.size(); ++k)
+        reeled_in_.back()[static_cast<Eigen::Index>(k)] = hardware_.reeledIn(settings_.winches[k]);
       reeled_in_.publish();
-      servo_load_.update();
+      device_load_.update();
     }
   }
 
-  // The servos have to answer in time whatever the machine does; the body may take what is left.
+  // The devices have to answer in time whatever the machine does; the body may take what is left.
   void moveBody() {
     const NormalPriority gives_way;
     PeriodicWakeUp wake_up(1 / settings_.plant_rate);
@@ -162,6 +160,8 @@ class SimulatedRobotNode {
       const double time = steadyNow();
       reeled_in_.update();
       if (obstacles_) plant_.setObstacles(obstacles_->update(time));
+      for (size_t k = 0; k < settings_.winches.size(); ++k)
+        plant_.setSnapped(static_cast<int>(k), hardware_.snapped(settings_.winches[k]));
       plant_.step(reeled_in_.front(), wake_up.period());
       tension_.write(plant_.simulator().effort());
       track(stamp, time);
@@ -237,12 +237,12 @@ class SimulatedRobotNode {
     } else if (body_share > 0.9) {
       status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "the body is too large for its rate");
     } else {
-      status.summary(diagnostic_msgs::DiagnosticStatus::OK, terminal_ ? "running" : "running, line away");
+      status.summary(diagnostic_msgs::DiagnosticStatus::OK, "running");
     }
     status.addf("body rate [Hz]", "%.1f", settings_.plant_rate);
     status.addf("body step [ms]", "%.2f", 1e3 * step_time_);
     status.addf("body share of a core [%]", "%.1f", 1e2 * body_share);
-    status.addf("servos share of a core [%]", "%.1f", 1e2 * servo_load_.takeShare());
+    status.addf("servos share of a core [%]", "%.1f", 1e2 * device_load_.takeShare());
     status.add("body steps failed", failed_steps_.load());
     status.add("body steps skipped", skipped_steps_.load());
     status.addf("body residual [1]", "%.2e", residual_.load());
@@ -256,12 +256,12 @@ class SimulatedRobotNode {
 
   const SimulatedRobotSettings settings_;
   SimulatedPlant plant_;  // body thread
-  SimulatedServoBus bus_;
-  NewestWins<VecX> reeled_in_;  // m, from the servos to the body
+  SimulatedHardware hardware_;
+  NewestWins<VecX> reeled_in_;  // m, from the devices to the body
   NewestWins<VecX> tension_;    // N, back
   FaultDesk faults_;
-  SimulatedTracker tracker_;  // body thread
-  std::unique_ptr<PseudoTerminal> terminal_;
+  std::vector<ros::WallTimer> reconnect_timers_;  // one per bus
+  SimulatedTracker tracker_;                      // body thread
 
   ros::NodeHandle node_;
   std::unique_ptr<SimulatedObstacles> obstacles_;  // body thread; null where none is tracked
@@ -269,7 +269,7 @@ class SimulatedRobotNode {
   std::vector<ros::Publisher> tracked_;
   ros::Publisher effectors_, body_, contacts_;
   ros::ServiceServer inject_;
-  ros::WallTimer diagnostics_timer_, reconnect_timer_;
+  ros::WallTimer diagnostics_timer_;
   EffectorTargets effectors_message_;
   BodyState body_message_;
   ContactArray contacts_message_;
@@ -279,8 +279,8 @@ class SimulatedRobotNode {
   std::atomic<bool> running_{true};
   std::atomic<std::uint64_t> skipped_steps_{0}, failed_steps_{0};
   std::atomic<double> residual_{0}, step_time_{0};
-  ThreadLoad servo_load_, body_load_;
-  std::thread servo_thread_, body_thread_;
+  ThreadLoad device_load_, body_load_;
+  std::thread device_thread_, body_thread_;
 };
 
 }  // namespace

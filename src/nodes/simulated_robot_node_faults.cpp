@@ -1,6 +1,5 @@
 #include "simulated_robot_node_faults.h"
 
-#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -22,60 +21,77 @@ FaultDesk::Answer confirm(const std::string& fault, double value, const std::str
 
 }  // namespace
 
-FaultDesk::FaultDesk(SimulatedServoBus& bus, std::vector<std::string> actuators, const LineFaults& line,
-                     std::function<void(double)> disconnect)
-    : bus_(bus), actuators_(std::move(actuators)), line_(line), disconnect_(std::move(disconnect)) {
-  bus_.setLineFaults(line_);
+FaultDesk::FaultDesk(SimulatedHardware& hardware, const LineFaults& line, std::function<void(int, double)> disconnect)
+    : hardware_(hardware), line_(line), disconnect_(std::move(disconnect)) {
+  hardware_.setLineFaults(line_);
 }
 
 FaultDesk::Answer FaultDesk::inject(const std::string& fault, const std::string& actuator, double value) {
   if (!std::isfinite(value)) return refuse(fault, value, "the value must be finite");
   Answer answer{false,
                 "unknown fault '" + fault +
-                    "': it is one of corrupt, drop, delay, freeze, overheat, supply_dip, disconnect, power_cycle"};
-  if (fault == "corrupt" || fault == "drop" || fault == "delay") answer = injectInLine(fault, value);
-  if (fault == "freeze" || fault == "overheat" || fault == "power_cycle") {
-    answer = injectInServos(fault, actuator, value);
+                    "': it is one of corrupt, drop, delay, duplicate, freeze, overheat, power_cycle, leak, snap, "
+                    "supply_dip, disconnect"};
+  if (fault == "corrupt" || fault == "drop" || fault == "delay" || fault == "duplicate") {
+    answer = injectInLines(fault, value);
   }
-  if (fault == "supply_dip" || fault == "disconnect") answer = injectInSupply(fault, value);
+  if (fault == "freeze" || fault == "overheat" || fault == "power_cycle" || fault == "leak" || fault == "snap") {
+    answer = injectInActuators(fault, actuator, value);
+  }
+  if (fault == "supply_dip") answer = injectInSupply(value);
+  if (fault == "disconnect") answer = takeLinesAway(actuator, value);
   if (answer.success) ++counts_[fault];
   return answer;
 }
 
-FaultDesk::Answer FaultDesk::injectInLine(const std::string& fault, double value) {
+FaultDesk::Answer FaultDesk::injectInLines(const std::string& fault, double value) {
   LineFaults line = line_;
-  (fault == "corrupt" ? line.corrupt : fault == "drop" ? line.drop : line.delay) = value;
-  if (value < 0 || line.corrupt + line.drop + line.delay > 1) {
-    return refuse(fault, value, "probabilities are 0 or more, and corrupt, drop and delay together at most 1");
+  (fault == "corrupt"     ? line.corrupt
+   : fault == "drop"      ? line.drop
+   : fault == "duplicate" ? line.duplicate
+                          : line.delay) = value;
+  if (value < 0 || line.corrupt + line.drop + line.delay + line.duplicate > 1) {
+    return refuse(fault, value,
+                  "probabilities are 0 or more, and corrupt, drop, delay and duplicate together at most 1");
   }
   line_ = line;
   ++line_.seed;  // another sequence than the one before
-  bus_.setLineFaults(line_);
-  return confirm(fault, value, "the line");
+  hardware_.setLineFaults(line_);
+  return confirm(fault, value, "every line");
 }
 
-FaultDesk::Answer FaultDesk::injectInServos(const std::string& fault, const std::string& actuator, double value) {
-  if (!actuator.empty() && std::find(actuators_.begin(), actuators_.end(), actuator) == actuators_.end()) {
-    return refuse(fault, value, "there is no actuator '" + actuator + "'");
-  }
-  for (int servo = 0; servo < bus_.size(); ++servo) {
-    if (!actuator.empty() && actuators_[static_cast<size_t>(servo)] != actuator) continue;
-    if (fault == "freeze") bus_.setFrozen(servo, value != 0);
-    if (fault == "overheat") bus_.setTemperature(servo, value);
-    if (fault == "power_cycle") bus_.powerCycle(servo);
-  }
-  return confirm(fault, value, actuator.empty() ? "every servo" : actuator);
+FaultDesk::Answer FaultDesk::injectInActuators(const std::string& fault, const std::string& actuator, double value) {
+  const int chosen = hardware_.findActuator(actuator);
+  if (!actuator.empty() && chosen < 0) return refuse(fault, value, "there is no actuator '" + actuator + "'");
+  if (fault == "leak" && value < 0) return refuse(fault, value, "a leak is 0 or more, 1/s");
+  for (int i = 0; i < hardware_.size(); ++i)
+    if (actuator.empty() || i == chosen) injectInActuator(fault, i, value);
+  return confirm(fault, value, actuator.empty() ? "every actuator" : actuator);
 }
 
-FaultDesk::Answer FaultDesk::injectInSupply(const std::string& fault, double value) {
-  if (fault == "supply_dip") {
-    if (value < 0 || value > 16) return refuse(fault, value, "a supply is 0 to 16 V");
-    bus_.setSupplyVoltage(value);
-    return confirm(fault, value, "the supply");
+void FaultDesk::injectInActuator(const std::string& fault, int actuator, double value) {
+  if (fault == "freeze") hardware_.setFrozen(actuator, value != 0);
+  if (fault == "overheat") hardware_.setTemperature(actuator, value);
+  if (fault == "power_cycle") hardware_.powerCycle(actuator);
+  if (fault == "leak") hardware_.setLeak(actuator, value);
+  if (fault == "snap") hardware_.setSnapped(actuator, value != 0);
+}
+
+FaultDesk::Answer FaultDesk::injectInSupply(double value) {
+  if (value < 0 || value > 60) return refuse("supply_dip", value, "a supply is 0 to 60 V");
+  hardware_.setSupplyVoltage(value);
+  return confirm("supply_dip", value, "the supply");
+}
+
+FaultDesk::Answer FaultDesk::takeLinesAway(const std::string& name, double value) {
+  if (value <= 0 || value > 3600) {
+    return refuse("disconnect", value, "a line is away for more than 0 and at most 3600 s");
   }
-  if (value <= 0 || value > 3600) return refuse(fault, value, "a line is away for more than 0 and at most 3600 s");
-  disconnect_(value);
-  return confirm(fault, value, "the line");
+  const int chosen = hardware_.findBus(name);
+  if (!name.empty() && chosen < 0) return refuse("disconnect", value, "there is no bus or actuator '" + name + "'");
+  for (int bus = 0; bus < hardware_.buses(); ++bus)
+    if (name.empty() || bus == chosen) disconnect_(bus, value);
+  return confirm("disconnect", value, name.empty() ? "every line" : "the line of " + name);
 }
 
 }  // namespace sinew

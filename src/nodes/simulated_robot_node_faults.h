@@ -6,16 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "sinew/hardware/simulated_servo_bus.h"
+#include "sinew/hardware/simulated_hardware.h"
 
 namespace sinew {
 
-/// Makes the simulated servos and their line fail on request, and counts the requests.
+/// Makes the simulated devices and their lines fail on request, and counts the requests.
 class FaultDesk {
  public:
-  /// `actuators`: the name of each servo of the bus, in its order. `disconnect` takes the line away for a time [s].
-  FaultDesk(SimulatedServoBus& bus, std::vector<std::string> actuators, const LineFaults& line,
-            std::function<void(double)> disconnect);
+  /// `disconnect` takes the line of a bus away for a time [s].
+  FaultDesk(SimulatedHardware& hardware, const LineFaults& line, std::function<void(int bus, double time)> disconnect);
 
   struct Answer {
     bool success;
@@ -26,17 +25,18 @@ class FaultDesk {
 
   /// Requests carried out so far, by fault.
   const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
-  LineFaultCounts lineCounts() const { return bus_.lineFaultCounts(); }
+  LineFaultCounts lineCounts() const { return hardware_.lineFaultCounts(); }
 
  private:
-  Answer injectInLine(const std::string& fault, double value);
-  Answer injectInServos(const std::string& fault, const std::string& actuator, double value);
-  Answer injectInSupply(const std::string& fault, double value);
+  Answer injectInLines(const std::string& fault, double value);
+  Answer injectInActuators(const std::string& fault, const std::string& actuator, double value);
+  void injectInActuator(const std::string& fault, int actuator, double value);
+  Answer injectInSupply(double value);
+  Answer takeLinesAway(const std::string& name, double value);
 
-  SimulatedServoBus& bus_;
-  std::vector<std::string> actuators_;
+  SimulatedHardware& hardware_;
   LineFaults line_;
-  std::function<void(double)> disconnect_;
+  std::function<void(int, double)> disconnect_;
   std::map<std::string, std::uint64_t> counts_;
 };
 

@@ -43,7 +43,8 @@ SimulatedPlant::SimulatedPlant(const RobotDescription& drawn, const PlantDeviati
     : robot_(std::make_shared<RobotModel>(makeDeviated(drawn, deviations))),
       simulator_(robot_, kStepsPerFactor),
       actuation_(simulator_.makeActuation()),
-      cable_zero_(makeCableZero(deviations.cable_zero, robot_->actuatorCount())) {
+      cable_zero_(makeCableZero(deviations.cable_zero, robot_->actuatorCount())),
+      snapped_(actuation_.mode.size(), false) {
   std::fill(actuation_.mode.begin(), actuation_.mode.end(), Actuation::Mode::kDisplacement);
   settle();
 }
@@ -57,8 +58,16 @@ void SimulatedPlant::settle() {
       "gravity and zeros");
 }
 
+void SimulatedPlant::setSnapped(int actuator, bool snapped) {
+  const auto i = static_cast<size_t>(actuator);
+  snapped_[i] = snapped;
+  actuation_.mode[i] = snapped ? Actuation::Mode::kEffort : Actuation::Mode::kDisplacement;
+}
+
 void SimulatedPlant::step(const VecX& reeled_in, double period) {
   actuation_.value = reeled_in + cable_zero_;
+  for (size_t i = 0; i < snapped_.size(); ++i)
+    if (snapped_[i]) actuation_.value[static_cast<Eigen::Index>(i)] = 0;  // N
   const ForwardStatus status = simulator_.step(actuation_, period);
   if (status == ForwardStatus::kSolved || status == ForwardStatus::kNotConverged) return;
   ++failed_steps_;

@@ -31,6 +31,9 @@ class SimulatedPlant {
   /// Where the obstacles are from the next step on, in the order of the robot's description.
   void setObstacles(const std::vector<ObstacleState>& obstacles) { simulator_.setObstacles(obstacles); }
 
+  /// A snapped cable pulls at nothing.
+  void setSnapped(int actuator, bool snapped);
+
   /// Moves on by `period` [s] with `reeled_in` [m per actuator, by the servos' angles]. A step that fails leaves the
   /// body where it was, or at rest when nothing finite is left of it, and is counted.
   void step(const VecX& reeled_in, double period);
@@ -45,6 +48,7 @@ class SimulatedPlant {
   ForwardSimulator simulator_;
   Actuation actuation_;
   VecX cable_zero_;  // m
+  std::vector<bool> snapped_;
   unsigned long failed_steps_ = 0;
 };
 

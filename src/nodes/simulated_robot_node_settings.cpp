@@ -4,24 +4,22 @@
 #include <random>
 
 #include "parameters.h"
-#include "sinew/hardware/hardware_description.h"
 
 namespace sinew {
 namespace {
 
-/// One winch per actuator of the robot, in its order; a carrier's is the pinion of its rail.
-std::vector<Winch> makeWinches(const RobotDescription& robot, const HardwareDescription& hardware,
-                               const Parameters& parameters) {
-  std::vector<Winch> winches;
+/// The actuator of the hardware behind each of the robot's cables; a carrier's is the pinion of its rail.
+std::vector<int> findWinches(const RobotDescription& robot, const HardwareDescription& hardware,
+                             const Parameters& parameters) {
+  std::vector<int> winches;
+  const std::vector<std::string> names = hardware.names();
   for (const ActuatorLimits& driven : listActuators(robot)) {
-    const auto& actuators = hardware.actuators;
-    const auto found = std::find_if(actuators.begin(), actuators.end(),
-                                    [&](const ActuatorDescription& actuator) { return actuator.name == driven.name; });
-    if (found == actuators.end()) {
+    const auto found = std::find(names.begin(), names.end(), driven.name);
+    if (found == names.end()) {
       parameters.fail("hardware", "no actuator '" + driven.name + "' in it",
                       "one actuator per cable of the robot, and one for its carrier");
     }
-    winches.push_back({found->name, found->id, found->sign * found->spool_radius});
+    winches.push_back(static_cast<int>(found - names.begin()));
   }
   return winches;
 }
@@ -46,6 +44,7 @@ LineFaults readLineFaults(const Parameters& parameters, std::uint32_t seed) {
   line.corrupt = parameters.numberOr("line/corrupt", 0, 0, 1);
   line.drop = parameters.numberOr("line/drop", 0, 0, 1 - line.corrupt);
   line.delay = parameters.numberOr("line/delay", 0, 0, 1 - line.corrupt - line.drop);
+  line.duplicate = parameters.numberOr("line/duplicate", 0, 0, 1 - line.corrupt - line.drop - line.delay);
   line.delay_time = parameters.numberOr("line/delay_time", line.delay_time, 0, 10);
   line.seed = seed;
   return line;
@@ -62,31 +61,18 @@ SimulatedTracker::Parameters readTracker(const Parameters& parameters, std::uint
 
 }  // namespace
 
-std::vector<std::uint8_t> SimulatedRobotSettings::ids() const {
-  std::vector<std::uint8_t> result;
-  for (const Winch& winch : winches) result.push_back(winch.id);
-  return result;
-}
-
-std::vector<std::string> SimulatedRobotSettings::actuators() const {
-  std::vector<std::string> result;
-  for (const Winch& winch : winches) result.push_back(winch.actuator);
-  return result;
-}
-
 SimulatedRobotSettings readSimulatedRobotSettings(const ros::NodeHandle& private_node) {
   const Parameters parameters(private_node);
   const auto seed = static_cast<std::uint32_t>(parameters.integerOr("seed", 1, 0, 1 << 30));
-  const HardwareDescription hardware = HardwareDescription::load(parameters.text("hardware"));
   SimulatedRobotSettings settings;
+  settings.hardware = HardwareDescription::load(parameters.text("hardware"));
+  if (parameters.has("port_link")) settings.hardware.movePorts(parameters.text("port_link"));
   settings.robot = readRobotDescription(parameters.text("robot"));
-  settings.winches = makeWinches(settings.robot, hardware, parameters);
-  settings.baud = hardware.baud;
+  settings.winches = findWinches(settings.robot, settings.hardware, parameters);
   settings.deviations.stiffness_factor = parameters.numberOr("stiffness_factor", 1, 1e-3, 1e3);
   settings.deviations.gravity_tilt = parameters.numberOr("gravity_tilt", 0, -7, 7);
   settings.deviations.cable_zero = readCableZeros(parameters, private_node, settings.winches.size(), seed);
   settings.line = readLineFaults(parameters, seed);
-  settings.port_link = parameters.textOr("port_link", hardware.port);
   settings.plant_rate = parameters.numberOr("plant_rate", settings.plant_rate, 1, 1000);
   settings.display_rate = parameters.numberOr("display_rate", settings.display_rate, 0.1, 1000);
   settings.tracker = readTracker(parameters, seed);

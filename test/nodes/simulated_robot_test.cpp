@@ -35,10 +35,14 @@ bool waitUntil(const std::function<bool()>& done) {
   return false;
 }
 
+std::uint8_t idOf(const ActuatorDescription& actuator) {
+  return static_cast<std::uint8_t>(actuator.id);
+}
+
 class SimulatedRobotTest : public testing::Test {
  protected:
   SimulatedRobotTest()
-      : hardware_(HardwareDescription::load(parameter("hardware"))), bus_(hardware_.baud, duration(0.1)) {
+      : hardware_(HardwareDescription::load(parameter("hardware"))), bus_(hardware_.buses[0].baud, duration(0.1)) {
     effectors_subscriber_ = node_.subscribe("plant/effectors", 10, &SimulatedRobotTest::onEffectors, this);
     tracker_subscriber_ = node_.subscribe("tracker/tip", 10, &SimulatedRobotTest::onTracker, this);
   }
@@ -53,8 +57,8 @@ class SimulatedRobotTest : public testing::Test {
     bus_.attach(&port_);
     DynamixelBus::Identity identity;
     return waitUntil([&] {
-      return (port_.isOpen() || port_.open(parameter("port"), hardware_.baud)) &&
-             bus_.ping(hardware_.actuators.front().id, identity) == BusStatus::kOk;
+      return (port_.isOpen() || port_.open(parameter("port"), hardware_.buses[0].baud)) &&
+             bus_.ping(idOf(hardware_.actuators.front()), identity) == BusStatus::kOk;
     });
   }
 
@@ -62,17 +66,17 @@ class SimulatedRobotTest : public testing::Test {
   void onTracker(const geometry_msgs::PoseStamped& message) { tracked_ = toVec3(message.pose.position); }
 
   CableTransmission makeTransmission(const ActuatorDescription& actuator) const {
-    return CableTransmission(actuator.spool_radius, actuator.sign, actuator.torque_constant);
+    return CableTransmission(actuator.cable.spool_radius, actuator.cable.sign, actuator.cable.torque_constant);
   }
 
   void reelIn(size_t i, double displacement) {
     const ActuatorDescription& actuator = hardware_.actuators[i];
     constexpr auto kMode = static_cast<std::int32_t>(OperatingMode::kExtendedPosition);
-    ASSERT_EQ(BusStatus::kOk, bus_.write(actuator.id, servo_register::kTorqueEnable, 0));
-    ASSERT_EQ(BusStatus::kOk, bus_.write(actuator.id, servo_register::kOperatingMode, kMode));
-    ASSERT_EQ(BusStatus::kOk, bus_.write(actuator.id, servo_register::kTorqueEnable, 1));
+    ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kTorqueEnable, 0));
+    ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kOperatingMode, kMode));
+    ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kTorqueEnable, 1));
     ASSERT_EQ(BusStatus::kOk,
-              bus_.write(actuator.id, servo_register::kGoalPosition, makeTransmission(actuator).counts(displacement)));
+              bus_.write(idOf(actuator), servo_register::kGoalPosition, makeTransmission(actuator).counts(displacement)));
   }
 
   /// By the servos' own account [m].
@@ -81,7 +85,7 @@ class SimulatedRobotTest : public testing::Test {
     for (size_t i = 0; i < hardware_.actuators.size(); ++i) {
       const ActuatorDescription& actuator = hardware_.actuators[i];
       std::int32_t counts = 0;
-      EXPECT_EQ(BusStatus::kOk, bus_.read(actuator.id, servo_register::kPresentPosition, counts));
+      EXPECT_EQ(BusStatus::kOk, bus_.read(idOf(actuator), servo_register::kPresentPosition, counts));
       reeled_in[static_cast<Eigen::Index>(i)] = makeTransmission(actuator).displacement(counts);
     }
     return reeled_in;
@@ -100,7 +104,8 @@ class SimulatedRobotTest : public testing::Test {
     int answers = 0;
     DynamixelBus::Identity identity;
     for (int i = 0; i < pings; ++i) {
-      answers += bus_.ping(hardware_.actuators.front().id, identity) == BusStatus::kOk ? 1 : 0;
+      answers +=
+          bus_.ping(idOf(hardware_.actuators.front()), identity) == BusStatus::kOk ? 1 : 0;
     }
     return answers;
   }

@@ -3,7 +3,7 @@
 #include <string>
 #include <variant>
 
-#include "sinew/hardware/cable_description.h"
+#include "sinew/hardware/winch_description.h"
 
 namespace sinew {
 

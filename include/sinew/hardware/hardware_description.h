@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sinew/hardware/actuator_reading.h"
-#include "sinew/hardware/cable_description.h"
 #include "sinew/hardware/device_settings.h"
+#include "sinew/hardware/winch_description.h"
 
 namespace sinew {
 
@@ -59,7 +59,7 @@ struct ActuatorDescription {
   double rate_max = 0;      ///< m/s or Pa/s
   OnTimeout on_timeout = OnTimeout::kHold;
   WatchDescription watch;
-  CableDescription cable;  ///< of a motor
+  WinchDescription cable;  ///< of a motor
   DeviceSettings settings;
 
   /// By how much a first command may differ from the measurement: 0.1 mm, or 1 % of the range of a pressure.
@@ -87,6 +87,10 @@ struct HardwareDescription {
   static HardwareDescription load(const std::string& path);
   /// The same from text; `source` names it in errors.
   static HardwareDescription parse(const std::string& text, const std::string& source);
+
+  /// Lets every port of a serial line be `port`, followed by '_' and the name of the bus where there are several. CAN
+  /// interfaces of the kernel that are virtual themselves (vcan...) stay.
+  void movePorts(const std::string& port);
 
   std::vector<std::string> names() const;
   std::vector<Quantity> quantities() const;

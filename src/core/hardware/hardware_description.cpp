@@ -61,8 +61,8 @@ HomingDescription readHoming(const YamlReader& yaml, DeviceType device) {
   return homing;
 }
 
-CableDescription readCable(const YamlReader& yaml, DeviceType device) {
-  CableDescription cable;
+WinchDescription readCable(const YamlReader& yaml, DeviceType device) {
+  WinchDescription cable;
   cable.spool_radius = yaml.number("spool_radius", 1e-4, 1, "m");
   cable.sign = choose<int>(yaml, "sign", {{"1", 1}, {"+1", 1}, {"-1", -1}});
   cable.torque_constant = yaml.positive("torque_constant", "N m/A");
@@ -225,6 +225,15 @@ HardwareDescription HardwareDescription::parse(const std::string& text, const st
 
 HardwareDescription HardwareDescription::load(const std::string& path) {
   return read(YamlReader::fromFile(path));
+}
+
+void HardwareDescription::movePorts(const std::string& port) {
+  constexpr int kUsualBitrate = 1000000;
+  for (BusDescription& b : buses) {
+    if (b.isCanInterface() && b.port.compare(0, 4, "vcan") == 0) continue;
+    b.port = buses.size() > 1 ? port + "_" + b.name : port;
+    if (b.type == BusType::kCan && b.baud == 0) b.baud = kUsualBitrate;
+  }
 }
 
 std::vector<std::string> HardwareDescription::names() const {

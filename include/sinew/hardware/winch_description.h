@@ -16,7 +16,7 @@ struct HomingDescription {
 };
 
 /// A cable on a spool on a motor's shaft.
-struct CableDescription {
+struct WinchDescription {
   double spool_radius = 0;     ///< m
   int sign = 1;                ///< +1 when positive rotation reels in
   double torque_constant = 0;  ///< N m/A at the spool's shaft
