@@ -81,7 +81,7 @@ QpRows QpccRelaxation::rows() const {
 
 bool QpccRelaxation::start(DualQp& qp, const std::vector<char>& open, QpInterruption* interruption) const {
   const int n = problem_->size.contacts + problem_->size.unknowns;
-  return qp.start(G_.topLeftCorner(n, n), g_.head(n), problem_->limitedRows(), open, interruption);
+  return qp.start(G_.topLeftCorner(n, n), g_.head(n), open, interruption);
 }
 
 bool QpccRelaxation::updateGrams(QpInterruption* interruption) {
