@@ -1,9 +1,9 @@
 // Times factorisation and compliance of stiffness matrices against CHOLMOD with BLAS, in one run on one core, and
 // compares both with dense LAPACK.
-// usage: compliance_benchmark [--list] [--threads N] [--dense-to DOFS] [MESH ...]
+// usage: compliance_benchmark [--list] [--threads N] [--dense-to DOFS] [--trunk MESH] [MESH ...]
 // --list: the instruction sets of this machine, no more; --dense-to: no dense factor for more unknowns; MESH: further
-// bodies, clamped at their lowest x. The instruction set is SINEW_ISA's; OPENBLAS_CORETYPE should say the same of BLAS.
-// See scripts/benchmark
+// bodies, clamped at their lowest x, a trunk at its lowest z. The instruction set is SINEW_ISA's; OPENBLAS_CORETYPE
+// should say the same of BLAS. See scripts/benchmark
 
 #include <cblas.h>
 #include <cholmod.h>
@@ -271,6 +271,7 @@ std::unique_ptr<CholmodRival> makeBestRival(const BlockMatrix& matrix, const Mat
 struct Options {
   int threads = 1;
   int dense_to = 20000;
+  std::string trunk;
   std::vector<std::string> meshes;
 };
 
@@ -328,6 +329,13 @@ void run(const std::string& kind, const TetMesh& mesh, const Options& options) {
   }
 }
 
+/// Its axis along x.
+TetMesh readTrunk(const std::string& file) {
+  TetMesh mesh = readMesh(file, 1);
+  for (Vec3& node : mesh.nodes) node = Vec3(node.z(), node.x(), node.y());
+  return mesh;
+}
+
 Options readOptions(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
@@ -336,6 +344,8 @@ Options readOptions(int argc, char** argv) {
       options.dense_to = std::stoi(argv[++i]);
     } else if (argument == "--threads" && i + 1 < argc) {
       options.threads = std::stoi(argv[++i]);
+    } else if (argument == "--trunk" && i + 1 < argc) {
+      options.trunk = argv[++i];
     } else {
       options.meshes.push_back(argument);
     }
@@ -358,6 +368,7 @@ int main(int argc, char** argv) {
     for (const auto& [nx, ny] : {std::pair(33, 3), std::pair(60, 5), std::pair(100, 6)}) {
       run("bar", makeBarMesh(Vec3(0.3, 0.03, 0.03), nx, ny, ny), options);
     }
+    if (!options.trunk.empty()) run("trunk", readTrunk(options.trunk), options);
     for (const std::string& file : options.meshes) run("gmsh", readMesh(file, 1), options);
     return 0;
   } catch (const std::exception& error) {
