@@ -304,9 +304,7 @@ void DualQp::calcDirections() {
 DualQp::Blocking DualQp::findBlocking() const {
   Blocking first{-1, kInfinity};
   const auto see = [&first](int limit, double dual, double rate) {
-    if (rate <= kBlocking) return;
-    const double length = std::max(0.0, dual) / rate;
-    if (length < first.length) first = {limit, length};
+    if (rate > kBlocking && dual < first.length * rate) first = {limit, std::max(0.0, dual) / rate};
   };
   for (int k = 0; k < count_; ++k)
     if (!fixed_[static_cast<std::size_t>(k)]) see(k, dual_(k), dual_direction_(k));
