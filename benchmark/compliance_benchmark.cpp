@@ -1,9 +1,9 @@
 // Times factorisation and compliance of stiffness matrices against CHOLMOD with BLAS, in one run on one core, and
 // compares both with dense LAPACK.
-// usage: compliance_benchmark [--list] [--threads N] [--dense-to DOFS] [MESH ...]
-// --list: the instruction sets of this machine, no more; --dense-to: no dense factor for more unknowns; MESH: further
-// bodies, clamped at their lowest x. The instruction set is SINEW_ISA's; OPENBLAS_CORETYPE should say the same of BLAS.
-// See scripts/benchmark
+// usage: compliance_benchmark [--list] [--threads N] [--dense-to DOFS] [--robot FILE] [MESH ...]
+// --list: the instruction sets of this machine, no more; --dense-to: no dense factor for more unknowns; --robot: the
+// matrix of a robot along z, its cables in the sparsity; MESH: further bodies, clamped at their lowest x. The
+// instruction set is SINEW_ISA's; OPENBLAS_CORETYPE should say the same of BLAS. See scripts/benchmark
 
 #include <cblas.h>
 #include <cholmod.h>
@@ -23,10 +23,12 @@
 #include "measuring.h"
 #include "mesh/bar_mesh.h"
 #include "sinew/fem/fem_model.h"
+#include "sinew/inverse/robot_model.h"
 #include "sinew/linalg/supernodal_cholesky.h"
 #include "sinew/mesh/embedding.h"
 #include "sinew/mesh/read_mesh.h"
 #include "sinew/mesh/surface.h"
+#include "sinew/robot/robot_description.h"
 
 extern "C" {
 void dpotrf_(const char* triangle, const int* n, double* a, const int* stride, int* info);
@@ -271,13 +273,14 @@ std::unique_ptr<CholmodRival> makeBestRival(const BlockMatrix& matrix, const Mat
 struct Options {
   int threads = 1;
   int dense_to = 20000;
+  std::string robot;
   std::vector<std::string> meshes;
 };
 
-void run(const std::string& kind, const TetMesh& mesh, const Options& options) {
-  const FemModel fem = makeModel(mesh, options.threads);
+/// `mesh` is the model's, turned so that the body lies along x.
+void run(const std::string& kind, const TetMesh& mesh, const FemModel& fem, const Options& options) {
   FemData data(fem);
-  assemble(fem, mesh.nodes, Tangent::kExact, data);
+  assemble(fem, fem.rest(), Tangent::kExact, data);
   const BlockMatrix matrix = data.tangent;
   RobotRows robot_rows(mesh, fem);
   MatX dense;
@@ -296,7 +299,7 @@ void run(const std::string& kind, const TetMesh& mesh, const Options& options) {
     // In turns of some cycles each, of which the first finds the other's data in the caches and does not count.
     while (theirs.size() < kRepeats || std::chrono::duration<double>(Clock::now() - begin).count() < kSeconds) {
       for (int k = 0; k < kTurn; ++k) {
-        const double assembled = timeOf([&] { assemble(fem, mesh.nodes, Tangent::kExact, data); });
+        const double assembled = timeOf([&] { assemble(fem, fem.rest(), Tangent::kExact, data); });
         const double factorised = timeOf([&] { cholesky.factorise(data.tangent); });
         const double condensed = timeOf([&] { cholesky.condense(rows, load, compliance, motion); });
         if (k == 0) continue;
@@ -328,6 +331,19 @@ void run(const std::string& kind, const TetMesh& mesh, const Options& options) {
   }
 }
 
+void run(const std::string& kind, const TetMesh& mesh, const Options& options) {
+  run(kind, mesh, makeModel(mesh, options.threads), options);
+}
+
+void runRobot(const Options& options) {
+  RobotDescription description = readRobotDescription(options.robot);
+  description.control.threads = options.threads;
+  const RobotModel robot(description);
+  TetMesh turned = robot.mesh();
+  for (Vec3& node : turned.nodes) node = Vec3(node.z(), node.x(), node.y());
+  run("trunk", turned, robot.fem(), options);
+}
+
 Options readOptions(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
@@ -336,6 +352,8 @@ Options readOptions(int argc, char** argv) {
       options.dense_to = std::stoi(argv[++i]);
     } else if (argument == "--threads" && i + 1 < argc) {
       options.threads = std::stoi(argv[++i]);
+    } else if (argument == "--robot" && i + 1 < argc) {
+      options.robot = argv[++i];
     } else {
       options.meshes.push_back(argument);
     }
@@ -358,6 +376,7 @@ int main(int argc, char** argv) {
     for (const auto& [nx, ny] : {std::pair(33, 3), std::pair(60, 5), std::pair(100, 6)}) {
       run("bar", makeBarMesh(Vec3(0.3, 0.03, 0.03), nx, ny, ny), options);
     }
+    if (!options.robot.empty()) runRobot(options);
     for (const std::string& file : options.meshes) run("gmsh", readMesh(file, 1), options);
     return 0;
   } catch (const std::exception& error) {

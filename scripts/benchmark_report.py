@@ -1,6 +1,9 @@
-"""Gathers the lines of the benchmarks: prints them as tables, and keeps them in a file. Called by scripts/benchmark.
+"""Gathers the lines of the benchmarks: prints them as tables, keeps them in a file, and says which of them miss a bound.
+Called by scripts/benchmark.
 
-usage: benchmark_report.py LINES BUILD [--json FILE]
+usage: benchmark_report.py LINES BUILD [--json FILE] [--check] [--whole]
+
+--check: bounds on times too; --whole: a bound that nothing was measured for is missed. The exit code is 1 when one is.
 """
 
 import argparse
@@ -15,6 +18,7 @@ import sys
 
 sys.dont_write_bytecode = True
 
+from benchmark_bounds import judge_all
 from benchmark_rows import STAGES, list_scenes, pick, read_line, write_file
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -115,11 +119,23 @@ def print_others(rows):
         print_table([scene, *names], [["", *(format_value(row.get(name)) for name in names)] for row in own])
 
 
+def print_bounds(findings):
+    """Whether all are kept; those that are not, line by line."""
+    missed = [finding for finding in findings if not finding.ok]
+    print()
+    for finding in missed:
+        print(f"missed: {finding.text}")
+    print(f"{len(findings) - len(missed)} of {len(findings)} bounds kept")
+    return not missed
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("lines")
     parser.add_argument("build")
     parser.add_argument("--json")
+    parser.add_argument("--check", action="store_true")
+    parser.add_argument("--whole", action="store_true")
     arguments = parser.parse_args()
     with open(arguments.lines, encoding="utf-8") as file:
         rows = [row for row in map(read_line, file) if row]
@@ -132,6 +148,11 @@ def main():
     if staged:
         print_cycles(staged)
     print_others([row for row in rows if "stage" not in row])
+    findings = judge_all(rows, arguments.check, arguments.whole)
+    if findings and not print_bounds(findings):
+        sys.exit(1)
+    if arguments.check and not findings:
+        sys.exit("benchmark: none of these scenes has a bound")
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "sinew/common/types.h"
 
 namespace sinew {
@@ -32,6 +34,19 @@ TEST_P(DenseKernelsTest, AddColumns) {
     const VecX expected = matrix.topLeftCorner(rows, columns) * x.head(columns);
     EXPECT_LT((sum.head(rows) - expected - VecX::Constant(rows, kGuard)).norm(), 1e-12);
     EXPECT_TRUE((sum.tail(kStride - rows).array() == kGuard).all());
+  });
+}
+
+TEST_P(DenseKernelsTest, AddListed) {
+  const std::vector<int> listed = {39, 0, 7, 7, 12};
+  forEachSize([&](int rows, int) {
+    const VecX x = VecX::Random(5);
+    VecX sum = VecX::Constant(kStride, kGuard), expected = sum;
+    kernels.addListed(matrix.data(), kStride, rows, listed.data(), x.data(), 5, sum.data());
+    for (int k = 0; k < 5; ++k)
+      expected.head(rows) += x(k) * matrix.col(listed[static_cast<std::size_t>(k)]).head(rows);
+    EXPECT_LT((sum - expected).norm(), 1e-12);
+    EXPECT_EQ(sum.tail(kStride - rows), expected.tail(kStride - rows));
   });
 }
 

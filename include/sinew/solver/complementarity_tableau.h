@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sinew/common/types.h"
+#include "sinew/solver/dense_kernels.h"
 #include "sinew/solver/scaled_qpcc.h"
 
 namespace sinew {
@@ -22,7 +23,7 @@ class ComplementarityTableau {
  public:
   static constexpr double kLift = 1e-9;
 
-  explicit ComplementarityTableau(const QpccSizes& capacity);
+  explicit ComplementarityTableau(const QpccSizes& capacity, InstructionSet set = chooseInstructionSet());
 
   /// Starts with all contacts inactive. `problem` must outlive the calls below.
   void reset(const ScaledQpcc& problem);
@@ -67,9 +68,10 @@ class ComplementarityTableau {
  private:
   void swapRowAndColumn(int row, int column);
 
+  const DenseKernels* kernels_;
   const ScaledQpcc* problem_ = nullptr;
   MatX table_;
-  VecX pivot_column_, gap_;
+  VecX pivot_column_, pivot_row_, gap_;
   std::vector<char> active_, wanted_;
   std::vector<int> listed_;
   int active_count_ = 0;

@@ -9,6 +9,9 @@ namespace sinew {
 struct DenseKernels {
   /// sum += M x
   void (*addColumns)(const double* matrix, int stride, int rows, const double* x, int columns, double* sum);
+  /// The same with the columns `listed`, `count` of them: sum += M(:, listed) x
+  void (*addListed)(const double* matrix, int stride, int rows, const int* listed, const double* x, int count,
+                    double* sum);
   /// product = M^T x
   void (*multiplyColumns)(const double* matrix, int stride, int rows, const double* x, int columns, double* product);
   /// M -= x y^T

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sinew/common/types.h"
+#include "sinew/solver/dense_kernels.h"
 #include "sinew/solver/dual_qp.h"
 #include "sinew/solver/scaled_qpcc.h"
 
@@ -13,7 +14,7 @@ namespace sinew {
 /// allocates after construction.
 class QpccRelaxation {
  public:
-  explicit QpccRelaxation(const QpccSizes& capacity);
+  explicit QpccRelaxation(const QpccSizes& capacity, InstructionSet set = chooseInstructionSet());
 
   /// False if the objective could not be made safely convex, or if interrupted: there is then no bound.
   bool prepare(const ScaledQpcc& problem, QpInterruption* interruption = nullptr);
@@ -39,10 +40,14 @@ class QpccRelaxation {
   void updateLimits();
 
   const ScaledQpcc* problem_ = nullptr;
-  MatX map_;                     ///< limited rows x (contacts, unknowns, 1)
-  MatX G_;                       ///< of (z, x)
-  VecX g_;                       ///< of (z, x)
-  MatX factor_, spread_, gram_;  ///< U, X = U^-T [C_a E_c^T], X^T X, with C_c = U^T U
+  const DenseKernels* kernels_;
+  MatX map_;     ///< limited rows x (contacts, unknowns, 1)
+  MatX E_;       ///< (z, x) x effectors
+  MatX G_;       ///< of (z, x)
+  VecX g_;       ///< of (z, x)
+  MatX factor_;  ///< L on top, below it X = [C_a E_c^T]^T L^-T, with C_c = L L^T
+  VecX row_;     ///< of the factor
+  MatX gram_;    ///< X X^T
   MatX K_gram_, F_K_, schur_, small_;
   QpLimits limits_;
   double constant_ = 0, rho_ = 0, ridge_ = 0;

@@ -56,6 +56,7 @@ struct ScaledQpcc {
   std::vector<int> rigid_;    ///< contacts of the problem that became the last rows
   std::vector<char> merged_;  ///< by contact of the problem
   VecX motion_;               ///< largest that a unit of each unknown causes in the scaled contacts
+  VecX diagonal_;             ///< of C_c
 };
 
 }  // namespace sinew

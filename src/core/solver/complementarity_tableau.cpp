@@ -25,10 +25,12 @@ int roundUp(int rows) {
 
 }  // namespace
 
-ComplementarityTableau::ComplementarityTableau(const QpccSizes& capacity)
-    : table_(roundUp(capacity.contacts + capacity.rows + capacity.effectors),
+ComplementarityTableau::ComplementarityTableau(const QpccSizes& capacity, InstructionSet set)
+    : kernels_(&denseKernelsOf(set)),
+      table_(roundUp(capacity.contacts + capacity.rows + capacity.effectors),
              capacity.contacts + capacity.unknowns + 1),
       pivot_column_(table_.rows()),
+      pivot_row_(table_.cols()),
       gap_(capacity.contacts),
       active_(static_cast<std::size_t>(capacity.contacts), 0),
       wanted_(static_cast<std::size_t>(capacity.contacts), 0),
@@ -47,16 +49,17 @@ void ComplementarityTableau::reset(const ScaledQpcc& problem) {
 
 void ComplementarityTableau::swapRowAndColumn(int row, int column) {
   const int rows = problem_->tableRows();
+  const int columns = problem_->tableColumns();
   auto swapped = table_.col(column).head(rows);
   auto pivot_column = pivot_column_.head(rows);
+  auto factors = pivot_row_.head(columns);
   pivot_column = swapped;
   const double inverse = 1 / pivot_column(row);
-  for (int k = 0; k < problem_->tableColumns(); ++k) {
-    const double factor = -table_(row, k) * inverse;
-    if (k == column || factor == 0) continue;
-    table_.col(k).head(rows) += factor * pivot_column;
-    table_(row, k) = factor;
-  }
+  factors = inverse * table_.row(row).head(columns).transpose();
+  factors(column) = 0;
+  kernels_->subtractOuter(table_.data(), static_cast<int>(table_.outerStride()), rows, pivot_column.data(),
+                          factors.data(), columns);
+  table_.row(row).head(columns) = -factors.transpose();
   swapped = inverse * pivot_column;
   swapped(row) = inverse;
 }

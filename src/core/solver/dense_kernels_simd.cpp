@@ -22,13 +22,15 @@ void storeUpTo(Simd value, double* to, int count) {
   }
 }
 
-void addColumns(const double* matrix, int stride, int rows, const double* x, int columns, double* sum) {
+/// sum += the columns that `at` gives, times x
+template <typename At>
+void addScaled(const At& at, int rows, const double* x, int count, double* sum) {
   int r = 0;
   for (; r + kAtOnce * kWidth <= rows; r += kAtOnce * kWidth) {
     Simd total[kAtOnce];
     SINEW_UNROLL for (int v = 0; v < kAtOnce; ++v) total[v] = Simd::load(sum + r + v * kWidth);
-    const double* column = matrix + r;
-    for (int j = 0; j < columns; ++j, column += stride) {
+    for (int j = 0; j < count; ++j) {
+      const double* column = at(j) + r;
       const Simd factor = Simd::fill(x[j]);
       SINEW_UNROLL for (int v = 0; v < kAtOnce; ++v) {
         total[v] = multiplyAdd(Simd::load(column + v * kWidth), factor, total[v]);
@@ -38,11 +40,17 @@ void addColumns(const double* matrix, int stride, int rows, const double* x, int
   }
   for (; r < rows; r += kWidth) {
     Simd total = loadUpTo(sum + r, rows - r);
-    for (int j = 0; j < columns; ++j) {
-      total = multiplyAdd(loadUpTo(matrix + r + j * stride, rows - r), Simd::fill(x[j]), total);
-    }
+    for (int j = 0; j < count; ++j) total = multiplyAdd(loadUpTo(at(j) + r, rows - r), Simd::fill(x[j]), total);
     storeUpTo(total, sum + r, rows - r);
   }
+}
+
+void addColumns(const double* matrix, int stride, int rows, const double* x, int columns, double* sum) {
+  addScaled([=](int j) { return matrix + j * stride; }, rows, x, columns, sum);
+}
+
+void addListed(const double* matrix, int stride, int rows, const int* listed, const double* x, int count, double* sum) {
+  addScaled([=](int j) { return matrix + listed[j] * stride; }, rows, x, count, sum);
 }
 
 void multiplyColumns(const double* matrix, int stride, int rows, const double* x, int columns, double* product) {
@@ -90,7 +98,7 @@ void rotate(double* left, double* right, int rows, double c, double s) {
 }  // namespace
 
 const DenseKernels& denseKernels() {
-  static const DenseKernels kernels = {addColumns, multiplyColumns, subtractOuter, rotate};
+  static const DenseKernels kernels = {addColumns, addListed, multiplyColumns, subtractOuter, rotate};
   return kernels;
 }
 

@@ -192,12 +192,12 @@ bool PieceQp::minimiseViolation(int rows, double& violation) {
   return true;
 }
 
-/// The contacts among the active limits, behind those of earlier levels.
+/// The contacts among the active rows, behind those of earlier levels.
 void PieceQp::collectCandidates(const DualQp& qp) {
   const std::size_t earlier = candidates_.size();
-  for (int k = 0; k < qp.activeCount(); ++k)
-    if (qp.activeLimit(k) < problem_->size.contacts && qp.activeDual(k) > kLeastDual)
-      candidates_.push_back({qp.activeLimit(k), qp.activeDual(k)});
+  for (int k = 0; k < qp.activeRows(); ++k)
+    if (qp.activeRow(k) < problem_->size.contacts && qp.rowDual(k) > kLeastDual)
+      candidates_.push_back({qp.activeRow(k), qp.rowDual(k)});
   std::sort(candidates_.begin() + static_cast<std::ptrdiff_t>(earlier), candidates_.end(),
             [](const Candidate& a, const Candidate& b) { return a.dual > b.dual; });
 }

@@ -20,14 +20,9 @@ constexpr int kBisections = 5;
 constexpr double kRounding = 1e-13;  // of a difference, against the terms
 constexpr double kSafePivot = 1e-6;  // of the convexity test, against the diagonal
 
-bool isDue(QpInterruption* interruption) {
-  return interruption && interruption->due();
-}
-
 /// Factorises the upper triangle in place; returns whether all pivots are more than a share of their diagonal.
-bool factorise(Eigen::Ref<MatX> A, double least_share, QpInterruption* interruption = nullptr) {
+bool factorise(Eigen::Ref<MatX> A, double least_share) {
   for (int j = 0; j < A.cols(); ++j) {
-    if (isDue(interruption)) return false;
     auto u = A.col(j).head(j);
     for (int i = 0; i < j; ++i) u(i) = (u(i) - A.col(i).head(i).dot(u.head(i))) / A(i, i);
     const double pivot = A(j, j) - u.squaredNorm();
@@ -44,13 +39,15 @@ void solveTransposed(const Eigen::Ref<const MatX>& U, Eigen::Ref<VecX> x) {
 
 }  // namespace
 
-QpccRelaxation::QpccRelaxation(const QpccSizes& capacity)
-    : map_(capacity.contacts + capacity.rows, capacity.contacts + capacity.unknowns + 1),
+QpccRelaxation::QpccRelaxation(const QpccSizes& capacity, InstructionSet set)
+    : kernels_(&denseKernelsOf(set)),
+      map_(capacity.contacts + capacity.rows, capacity.contacts + capacity.unknowns + 1),
+      E_(capacity.contacts + capacity.unknowns, capacity.effectors),
       G_(capacity.contacts + capacity.unknowns, capacity.contacts + capacity.unknowns),
       g_(capacity.contacts + capacity.unknowns),
-      factor_(capacity.contacts, capacity.contacts),
-      spread_(capacity.contacts, capacity.unknowns + capacity.effectors),
-      gram_(spread_.cols(), spread_.cols()),
+      factor_(capacity.contacts + capacity.unknowns + capacity.effectors, capacity.contacts),
+      row_(capacity.contacts),
+      gram_(capacity.unknowns + capacity.effectors, capacity.unknowns + capacity.effectors),
       K_gram_(capacity.unknowns, capacity.unknowns),
       F_K_(capacity.effectors, capacity.unknowns),
       schur_(capacity.unknowns, capacity.unknowns),
@@ -65,7 +62,7 @@ bool QpccRelaxation::prepare(const ScaledQpcc& problem, QpInterruption* interrup
   if (!updateGrams(interruption)) return false;
   rho_ = 0;
   for (const double ridge : kRidges) {
-    if (isDue(interruption)) return false;
+    if (interruption && interruption->due()) return false;
     ridge_ = ridge;
     rho_ = findLargestRho();
     if (rho_ > kEnoughRho) break;
@@ -81,30 +78,34 @@ QpRows QpccRelaxation::rows() const {
 
 bool QpccRelaxation::start(DualQp& qp, const std::vector<char>& open, QpInterruption* interruption) const {
   const int n = problem_->size.contacts + problem_->size.unknowns;
-  return qp.start(G_.topLeftCorner(n, n), g_.head(n), problem_->limitedRows(), open, interruption);
+  return qp.start(G_.topLeftCorner(n, n), g_.head(n), open, interruption);
 }
 
+/// Rows below the square take part in its factorisation, which solves for them.
 bool QpccRelaxation::updateGrams(QpInterruption* interruption) {
   const ScaledQpcc& p = *problem_;
   const int nc = p.size.contacts;
   const int na = p.size.unknowns;
   const int ne = p.size.effectors;
-  auto U = factor_.topLeftCorner(nc, nc);
-  U = map_.topLeftCorner(nc, nc);
-  if (!factorise(U, 0, interruption)) return false;
-  auto X = spread_.topLeftCorner(nc, na + ne);
-  X.leftCols(na) = map_.block(0, nc, nc, na);
-  X.rightCols(ne) = p.table.block(p.limitedRows(), 0, ne, nc).transpose();
-  for (int k = 0; k < X.cols(); ++k) {
-    if (isDue(interruption)) return false;
-    solveTransposed(U, X.col(k));
+  const int all = nc + na + ne;
+  factor_.topLeftCorner(nc, nc) = map_.topLeftCorner(nc, nc);
+  factor_.block(nc, 0, na, nc) = map_.block(0, nc, nc, na).transpose();
+  factor_.block(nc + na, 0, ne, nc) = p.table.block(p.limitedRows(), 0, ne, nc);
+  for (int j = 0; j < nc; ++j) {
+    if (interruption && interruption->due()) return false;
+    row_.head(j) = -factor_.row(j).head(j).transpose();
+    kernels_->addColumns(&factor_(j, 0), static_cast<int>(factor_.outerStride()), all - j, row_.data(), j,
+                         &factor_(j, j));
+    const double pivot = factor_(j, j);
+    if (!(pivot > 0)) return false;
+    factor_.col(j).segment(j, all - j) /= std::sqrt(pivot);
   }
-  for (int k = 0; k < X.cols(); ++k)
-    for (int i = 0; i <= k; ++i) gram_(i, k) = gram_(k, i) = X.col(i).dot(X.col(k));
+  const auto X = factor_.block(nc, 0, na + ne, nc);
+  gram_.topLeftCorner(na + ne, na + ne).noalias() = X.lazyProduct(X.transpose());
   return true;
 }
 
-/// In y = U z the Hessian is [2 rho I + F F^T, K; K^T, E_a^T E_a + Q] with B = U^-T C_a, F = U^-T E_c^T and
+/// In y = L^T z the Hessian is [2 rho I + F F^T, K; K^T, E_a^T E_a + Q] with B = L^-1 C_a, F = L^-1 E_c^T and
 /// K = rho B + F E_a. It is positive definite where its Schur complement in x is; the inverse of the first block is
 /// (I - F (2 rho I + F^T F)^-1 F^T) / (2 rho), so that products of B and F suffice.
 bool QpccRelaxation::isConvex(double rho) {
@@ -154,24 +155,35 @@ double QpccRelaxation::findLargestRho() {
   return 0.99 * low;
 }
 
+/// C_c being symmetric, rho z^T C_c z has the Hessian 2 rho C_c.
 bool QpccRelaxation::updateObjective(QpInterruption* interruption) {
   const ScaledQpcc& p = *problem_;
   const int nc = p.size.contacts;
   const int na = p.size.unknowns;
+  const int ne = p.size.effectors;
   const int n = nc + na;
-  const auto E = p.table.block(p.limitedRows(), 0, p.size.effectors, n + 1);
+  const auto E = p.table.block(p.limitedRows(), 0, ne, n + 1);
   const auto C = map_.topLeftCorner(nc, n + 1);
+  const auto addSquare = [&](int column, double* sum) {
+    kernels_->addColumns(E_.data(), static_cast<int>(E_.outerStride()), n, E.col(column).data(), ne, sum);
+  };
+  E_.topLeftCorner(n, ne) = E.leftCols(n).transpose();
   for (int j = 0; j < n; ++j) {
-    if (isDue(interruption)) return false;
-    for (int i = 0; i <= j; ++i) {
-      double entry = E.col(i).dot(E.col(j));
-      if (j < nc) entry += rho_ * (C(i, j) + C(j, i));
-      if (i < nc && j >= nc) entry += rho_ * C(i, j);
-      if (i >= nc) entry += p.Q(i - nc, j - nc) + (i == j ? ridge_ : 0);
-      G_(i, j) = G_(j, i) = entry;
+    if (interruption && interruption->due()) return false;
+    auto column = G_.col(j).head(n);
+    if (j < nc) {
+      column.head(nc) = (2 * rho_) * C.col(j);
+      column.tail(na) = rho_ * C.block(j, nc, 1, na).transpose();
+    } else {
+      column.head(nc) = rho_ * C.col(j);
+      column.tail(na) = p.Q.col(j - nc).head(na);
+      column(j) += ridge_;
     }
-    g_(j) = E.col(j).dot(E.col(n)) + (j < nc ? rho_ * C(j, n) : p.q(j - nc));
+    addSquare(j, column.data());
   }
+  g_.head(nc) = rho_ * C.col(n);
+  g_.segment(nc, na) = p.q.head(na);
+  addSquare(n, g_.data());
   constant_ = 0.5 * E.col(n).squaredNorm();
   return true;
 }

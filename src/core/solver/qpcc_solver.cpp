@@ -19,16 +19,21 @@ bool limitsAreValid(const Eigen::Ref<const VecX>& lower, const Eigen::Ref<const 
   return (lower.array() < kInfinity).all() && (upper.array() > -kInfinity).all();
 }
 
+/// Zero times anything else is no zero; a sum of them is fast.
+template <typename Entries>
+bool areFinite(const Entries& entries) {
+  return (0.0 * entries).sum() == 0;
+}
+
 bool isFinite(const QpccProblem& p) {
   const int na = p.size.unknowns;
   const int nr = p.size.rows;
   const int ne = p.size.effectors;
   const int nc = p.size.contacts;
-  return p.E_a.topLeftCorner(ne, na).allFinite() && p.E_c.topLeftCorner(ne, nc).allFinite() &&
-         p.e.head(ne).allFinite() && p.Q.topLeftCorner(na, na).allFinite() && p.q.head(na).allFinite() &&
-         p.A_a.topLeftCorner(nr, na).allFinite() && p.A_c.topLeftCorner(nr, nc).allFinite() &&
-         p.a.head(nr).allFinite() && p.C_a.topLeftCorner(nc, na).allFinite() &&
-         p.C_c.topLeftCorner(nc, nc).allFinite() && p.c.head(nc).allFinite() &&
+  return areFinite(p.E_a.topLeftCorner(ne, na)) && areFinite(p.E_c.topLeftCorner(ne, nc)) && areFinite(p.e.head(ne)) &&
+         areFinite(p.Q.topLeftCorner(na, na)) && areFinite(p.q.head(na)) && areFinite(p.A_a.topLeftCorner(nr, na)) &&
+         areFinite(p.A_c.topLeftCorner(nr, nc)) && areFinite(p.a.head(nr)) && areFinite(p.C_a.topLeftCorner(nc, na)) &&
+         areFinite(p.C_c.topLeftCorner(nc, nc)) && areFinite(p.c.head(nc)) &&
          limitsAreValid(p.x_lower.head(na), p.x_upper.head(na)) &&
          limitsAreValid(p.soft_lower.head(na), p.soft_upper.head(na)) &&
          limitsAreValid(p.row_lower.head(nr), p.row_upper.head(nr));

@@ -45,7 +45,8 @@ ScaledQpcc::ScaledQpcc(const QpccSizes& capacity)
       unknown_unit(capacity.unknowns),
       row_scale(capacity.contacts + capacity.rows),
       merged_(static_cast<std::size_t>(capacity.contacts), 0),
-      motion_(capacity.unknowns) {
+      motion_(capacity.unknowns),
+      diagonal_(capacity.contacts) {
   rigid_.reserve(static_cast<std::size_t>(capacity.contacts));
 }
 
@@ -64,6 +65,7 @@ void ScaledQpcc::update(const QpccProblem& problem) {
 void ScaledQpcc::updateContacts(const QpccProblem& problem) {
   std::fill(merged_.begin(), merged_.end(), 0);
   rigid_.clear();
+  diagonal_.head(problem.size.contacts) = problem.C_c.diagonal().head(problem.size.contacts);
   size.contacts = 0;
   for (int i = 0; i < problem.size.contacts; ++i) {
     if (!(problem.C_c(i, i) > 0)) {
@@ -81,9 +83,9 @@ void ScaledQpcc::updateContacts(const QpccProblem& problem) {
 bool ScaledQpcc::isCovered(const QpccProblem& problem, int i) const {
   const auto& p = problem;
   const int n = p.size.contacts;
-  const double C_ii = p.C_c(i, i);
+  const double C_ii = diagonal_(i);
   for (int j = 0; j < n; ++j) {
-    const double C_jj = p.C_c(j, j);
+    const double C_jj = diagonal_(j);
     const double C_ij = p.C_c(j, i);
     if (j == i || !(C_ij > 0) || C_ij * C_ij < (1 - kParallel) * C_ii * C_jj) continue;
     const double k = C_ij / C_jj;
