@@ -202,7 +202,7 @@ TEST(OdriveAxis, NamesWhatKeepsItFromBeingSetUp) {
 
 TEST(OdriveAxis, RefusesATensionThatNoCurrentBounds) {
   OdriveBench b(1);
-  CableDescription cable;
+  WinchDescription cable;
   cable.spool_radius = 0.01;
   cable.torque_constant = 0.5;
   EXPECT_THROW(OdriveAxis(OdriveSettings(), cable, OdriveBench::makeBounds(0), b.makeTiming()), ConfigError);

@@ -56,7 +56,7 @@ class OdriveBench {
   std::unique_ptr<OdriveAxis> makeAxis(int i) const {
     OdriveSettings settings = options_.settings;
     settings.node = i + 1;
-    CableDescription cable;
+    WinchDescription cable;
     cable.spool_radius = kRadius;
     cable.sign = i % 2 == 0 ? 1 : -1;
     cable.torque_constant = kConstant;

@@ -25,7 +25,7 @@ std::string complaint(const std::string& text) {
 }
 
 TEST(OdriveSettings, OnlyTheNodeIsRequired) {
-  const OdriveSettings s = read("node: 3");
+  const OdriveSettings s = read("id: 3");
   EXPECT_EQ(s.node, 3);
   EXPECT_EQ(s.firmware, OdriveFirmware::k06);
   EXPECT_EQ(s.gear_ratio, 1);
@@ -36,7 +36,7 @@ TEST(OdriveSettings, OnlyTheNodeIsRequired) {
 
 TEST(OdriveSettings, ReadsEveryKey) {
   const OdriveSettings s = read(
-      "{node: 62, firmware: '0.6', gear_ratio: 8, input: trapezoidal, acceleration: 0.5, feedback: cyclic,"
+      "{id: 62, firmware: '0.6', gear_ratio: 8, input: trapezoidal, acceleration: 0.5, feedback: cyclic,"
       " heartbeat: 0.02, voltage_min: 20, watchdog: {enable_endpoint: 268, timeout_endpoint: 269}}");
   EXPECT_EQ(s.gear_ratio, 8);
   EXPECT_EQ(s.input, OdriveInput::kTrapezoidal);
@@ -51,15 +51,15 @@ TEST(OdriveSettings, ReadsEveryKey) {
 
 TEST(OdriveSettings, ComplainsByName) {
   const std::pair<const char*, const char*> cases[] = {
-      {"gear_ratio: 2", "robot.yaml: node"},
-      {"node: 63", "0 to 62"},
-      {"{node: 1, firmware: '0.4'}", "firmware"},
-      {"{node: 1, input: trapezoidal}", "acceleration"},
-      {"{node: 1, acceleration: 1}", "acceleration"},
-      {"{node: 1, gear_ratio: 0}", "gear_ratio"},
-      {"{node: 1, firmware: '0.5', watchdog: {enable_endpoint: 1, timeout_endpoint: 2}}", "odrivetool"},
-      {"{node: 1, watchdog: {enable_endpoint: 1}}", "watchdog.timeout_endpoint"},
-      {"{node: 1, watchdog: {enable_endpoint: 1, timeout_endpoint: 2, x: 1}}", "watchdog.x"}};
+      {"gear_ratio: 2", "robot.yaml: id"},
+      {"id: 63", "0 to 62"},
+      {"{id: 1, firmware: '0.4'}", "firmware"},
+      {"{id: 1, input: trapezoidal}", "acceleration"},
+      {"{id: 1, acceleration: 1}", "acceleration"},
+      {"{id: 1, gear_ratio: 0}", "gear_ratio"},
+      {"{id: 1, firmware: '0.5', watchdog: {enable_endpoint: 1, timeout_endpoint: 2}}", "odrivetool"},
+      {"{id: 1, watchdog: {enable_endpoint: 1}}", "watchdog.timeout_endpoint"},
+      {"{id: 1, watchdog: {enable_endpoint: 1, timeout_endpoint: 2, x: 1}}", "watchdog.x"}};
   for (const auto& c : cases) EXPECT_NE(complaint(c.first).find(c.second), std::string::npos) << complaint(c.first);
 }
 

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <string>
-#include <variant>
-
-#include "sinew/hardware/winch_description.h"
 
 namespace sinew {
 
@@ -22,8 +19,5 @@ struct ActuatorBounds {
   double max = 0;       ///< m or Pa
   double rate_max = 0;  ///< m/s or Pa/s
 };
-
-/// What the file gives for one kind of device, beyond what all have in common. A Dynamixel needs no more.
-using DeviceSettings = std::variant<std::monostate>;
 
 }  // namespace sinew

@@ -3,10 +3,14 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "sinew/hardware/actuator_reading.h"
+#include "sinew/hardware/canopen_settings.h"
 #include "sinew/hardware/device_settings.h"
+#include "sinew/hardware/odrive_settings.h"
+#include "sinew/hardware/pressure_board_settings.h"
 #include "sinew/hardware/winch_description.h"
 
 namespace sinew {
@@ -27,7 +31,8 @@ struct BusDescription {
   std::string name;
   BusType type = BusType::kDynamixel;
   std::string port;          ///< path of a serial port (or of an SLCAN adapter), or name of a CAN interface
-  int baud = 0;              ///< 1/s, of the serial port; of the bus where it is CAN
+  int baud = 0;              ///< 1/s, of the serial port, also of an SLCAN adapter's
+  int bitrate = 0;           ///< bit/s of a CAN bus
   bool simulated = false;    ///< nothing real hangs on the port, so it may be opened under simulated time
   double reply_timeout = 0;  ///< s an answer may be late
   int missing_limit = 0;     ///< cycles in a row without a valid reading after which a device counts as lost
@@ -46,6 +51,9 @@ struct WatchDescription {
   double current_max = kNever;      ///< A
   double pressure_max = kNever;     ///< Pa measured
 };
+
+/// What the file gives for one kind of device, beyond what all have in common. A Dynamixel needs no more.
+using DeviceSettings = std::variant<std::monostate, CanopenSettings, OdriveSettings, PressureBoardSettings>;
 
 /// One actuator: a motor that reels a cable, or a channel that holds a pressure.
 struct ActuatorDescription {

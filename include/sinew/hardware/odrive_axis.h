@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "sinew/hardware/cable_description.h"
 #include "sinew/hardware/can_device.h"
 #include "sinew/hardware/device_settings.h"
 #include "sinew/hardware/odrive_settings.h"
+#include "sinew/hardware/winch_description.h"
 
 namespace sinew {
 
@@ -20,7 +20,7 @@ namespace sinew {
 class OdriveAxis : public CanDevice {
  public:
   /// Throws ConfigError when the tension cannot be bounded.
-  OdriveAxis(const OdriveSettings& settings, const CableDescription& cable, const ActuatorBounds& bounds,
+  OdriveAxis(const OdriveSettings& settings, const WinchDescription& cable, const ActuatorBounds& bounds,
              const DeviceTiming& timing);
 
   int size() const override { return 1; }

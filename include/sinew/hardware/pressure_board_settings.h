@@ -16,7 +16,7 @@ struct PressureBoardSettings {
   /// What the board does by itself when nobody speaks to it: kVent or kSeal.
   PressureMode on_silence = PressureMode::kVent;
 
-  /// Keys: `board`, `channel`, `pressure_limit` [Pa], `on_silence` (vent or seal; vent when missing). Throws
+  /// Keys: `id`, `channel`, `pressure_limit` [Pa], `on_silence` (vent or seal; vent when missing). Throws
   /// ConfigError.
   static PressureBoardSettings read(const YamlReader& yaml);
 };

@@ -8,6 +8,7 @@
 #include "sinew/hardware/hardware_description.h"
 #include "sinew/hardware/pseudo_terminal.h"
 #include "sinew/hardware/simulated_bus.h"
+#include "sinew/hardware/socket_can.h"
 
 namespace sinew {
 
@@ -29,7 +30,8 @@ class SimulatedHardware {
   /// The bus of that name, or that of an actuator of that name; -1 when there is none.
   int findBus(const std::string& name) const;
   int findActuator(const std::string& name) const;
-  /// Puts a line to its devices where the description says that the port is. Throws ConfigError when it cannot.
+  /// Puts a line to its devices where the description says that the port is: a pseudo-terminal, or the virtual CAN
+  /// interface of that name. Throws ConfigError when it cannot.
   void connect(int bus);
   void disconnect(int bus);
 
@@ -61,12 +63,14 @@ class SimulatedHardware {
     BusDescription description;
     std::unique_ptr<SimulatedBus> bus;
     std::unique_ptr<PseudoTerminal> terminal;
+    std::unique_ptr<SocketCan> interface;  // in place of the terminal
   };
   struct Actuator {
     std::string name;
     int bus = 0, index = 0;  // index on the bus
     double reel_radius = 0;  // m of cable reeled in per rad; negative when it reels in turning backwards
   };
+  static void connectToInterface(Line& line);
   SimulatedBus& busOf(const Actuator& a) const { return *lines_[static_cast<std::size_t>(a.bus)].bus; }
   const Actuator& at(int i) const { return actuators_[static_cast<std::size_t>(i)]; }
 

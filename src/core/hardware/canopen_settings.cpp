@@ -69,7 +69,7 @@ CanopenHoming readHoming(const YamlReader& reader) {
 
 CanopenSettings CanopenSettings::read(const YamlReader& reader) {
   CanopenSettings s;
-  s.node = static_cast<std::uint8_t>(reader.integer("node", 1, canopen::kMaxNode));
+  s.node = static_cast<std::uint8_t>(reader.integer("id", 1, canopen::kMaxNode));
   s.driver_node = static_cast<std::uint8_t>(reader.integerOr("driver_node", canopen::kMaxNode, 1, canopen::kMaxNode));
   if (s.driver_node == s.node) reader.fail("driver_node", "another node than the drive's own");
   s.vendor = readWholeOr(reader, "vendor", 0);

@@ -17,6 +17,7 @@ constexpr double kTiny = 1e-12;
 constexpr double kAnyNumber = 1e12;
 constexpr double kMinWatchdog = 0.02, kMaxWatchdog = 2.54;  // s: a Dynamixel counts 1 to 127 units of 20 ms
 constexpr int kMaxBuses = 8;
+constexpr int kUsualAdapterBaud = 115200;  // USB adapters take any
 
 // What a kind of device is called in the file, and the key with what its actuators have in common.
 struct DeviceKind {
@@ -29,9 +30,9 @@ struct DeviceKind {
 constexpr DeviceKind kKinds[] = {
     {DeviceType::kDynamixel, BusType::kDynamixel, "dynamixel", "servo", kMaxServoId},
     {DeviceType::kCanopen, BusType::kCan, "canopen", "drive", 127},
-    {DeviceType::kOdrive, BusType::kCan, "odrive", "odrive", 63},
-    {DeviceType::kPressureBoard, BusType::kCan, "pressure_board", "pressure_channel", 127},
-    {DeviceType::kPressureBoard, BusType::kPressureBoard, "pressure_board", "pressure_channel", 127},
+    {DeviceType::kOdrive, BusType::kCan, "odrive", "odrive", 62},
+    {DeviceType::kPressureBoard, BusType::kCan, "pressure_board", "pressure_channel", kMaxPressureAddress},
+    {DeviceType::kPressureBoard, BusType::kPressureBoard, "pressure_board", "pressure_channel", kMaxPressureAddress},
 };
 
 /// One of the choices, which has to be there.
@@ -142,7 +143,19 @@ class ActuatorReader {
     a.rate_max = yaml.positive("rate_max", a.quantity == Quantity::kPressure ? "Pa/s" : "m/s");
   }
 
-  static DeviceSettings readSettings(const YamlReader& /*yaml*/, DeviceType /*device*/) { return {}; }
+  static DeviceSettings readSettings(const YamlReader& yaml, DeviceType device) {
+    switch (device) {
+      case DeviceType::kCanopen:
+        return CanopenSettings::read(yaml);
+      case DeviceType::kOdrive:
+        return OdriveSettings::read(yaml);
+      case DeviceType::kPressureBoard:
+        return PressureBoardSettings::read(yaml);
+      case DeviceType::kDynamixel:
+        break;
+    }
+    return {};
+  }
 
   const YamlReader& top_;
   const HardwareDescription& hardware_;
@@ -166,11 +179,11 @@ BusDescription readBus(const YamlReader& yaml, const std::string& name) {
       yaml, "protocol",
       {{"dynamixel2", BusType::kDynamixel}, {"can", BusType::kCan}, {"pressure_board", BusType::kPressureBoard}});
   bus.port = yaml.text("port");
-  if (bus.isCanInterface()) {
-    bus.baud = yaml.integerOr("bitrate", 0, 0, 1000000);  // for the record: the interface has its own
+  if (bus.type == BusType::kCan) {
+    bus.bitrate = yaml.integer("bitrate", 10000, 1000000);
+    bus.baud = yaml.integerOr("baud", kUsualAdapterBaud, 9600, 4500000);
   } else {
-    const bool can = bus.type == BusType::kCan;
-    bus.baud = can ? yaml.integer("bitrate", 10000, 1000000) : yaml.integer("baud", 9600, 4500000);
+    bus.baud = yaml.integer("baud", 9600, 4500000);
   }
   bus.simulated = yaml.flagOr("simulated", false);
   bus.reply_timeout = yaml.number("reply_timeout", 1e-4, 1, "s");
@@ -228,11 +241,9 @@ HardwareDescription HardwareDescription::load(const std::string& path) {
 }
 
 void HardwareDescription::movePorts(const std::string& port) {
-  constexpr int kUsualBitrate = 1000000;
   for (BusDescription& b : buses) {
     if (b.isCanInterface() && b.port.compare(0, 4, "vcan") == 0) continue;
     b.port = buses.size() > 1 ? port + "_" + b.name : port;
-    if (b.type == BusType::kCan && b.baud == 0) b.baud = kUsualBitrate;
   }
 }
 

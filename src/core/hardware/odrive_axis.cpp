@@ -49,7 +49,7 @@ bool isKnown(OdriveCommand command, OdriveFirmware firmware) {
 
 }  // namespace
 
-OdriveAxis::OdriveAxis(const OdriveSettings& settings, const CableDescription& cable, const ActuatorBounds& bounds,
+OdriveAxis::OdriveAxis(const OdriveSettings& settings, const WinchDescription& cable, const ActuatorBounds& bounds,
                        const DeviceTiming& timing)
     : settings_(settings),
       bounds_(bounds),

@@ -6,7 +6,7 @@ namespace sinew {
 
 OdriveSettings OdriveSettings::read(const YamlReader& yaml) {
   OdriveSettings s;
-  s.node = yaml.integer("node", 0, kMaxOdriveNode);
+  s.node = yaml.integer("id", 0, kMaxOdriveNode);
   s.firmware = yaml.choiceOr("firmware", {"0.5", "0.6"}, 1) == 0 ? OdriveFirmware::k05 : OdriveFirmware::k06;
   s.gear_ratio = yaml.positiveOr("gear_ratio", s.gear_ratio);
   if (yaml.choiceOr("input", {"pass_through", "trapezoidal"}, 0) == 1) {

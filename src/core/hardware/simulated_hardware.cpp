@@ -1,12 +1,14 @@
 #include "sinew/hardware/simulated_hardware.h"
 
+#include "sinew/common/config_error.h"
+#include "sinew/hardware/simulated_can_bus.h"
 #include "sinew/hardware/simulated_factory.h"
 
 namespace sinew {
 
 SimulatedHardware::SimulatedHardware(const HardwareDescription& description) {
   for (std::size_t b = 0; b < description.buses.size(); ++b)
-    lines_.push_back({description.buses[b], makeSimulatedBus(description, static_cast<int>(b)), nullptr});
+    lines_.push_back({description.buses[b], makeSimulatedBus(description, static_cast<int>(b)), nullptr, nullptr});
   for (const ActuatorDescription& a : description.actuators)
     actuators_.push_back({a.name, a.bus, 0, a.cable.sign * a.cable.spool_radius});
   snapped_ = std::make_unique<std::atomic<bool>[]>(actuators_.size());
@@ -37,14 +39,23 @@ int SimulatedHardware::findActuator(const std::string& name) const {
 
 void SimulatedHardware::connect(int bus) {
   Line& line = lines_[static_cast<std::size_t>(bus)];
+  if (line.description.isCanInterface()) return connectToInterface(line);
   line.terminal = std::make_unique<PseudoTerminal>(line.description.port);
   line.bus->start(*line.terminal);
+}
+
+void SimulatedHardware::connectToInterface(Line& line) {
+  line.interface = std::make_unique<SocketCan>();
+  if (!line.interface->open(line.description.port))
+    throw ConfigError("CAN interface " + line.description.port, line.interface->error(), "a virtual one that is up");
+  dynamic_cast<SimulatedCanBus&>(*line.bus).start(*line.interface);
 }
 
 void SimulatedHardware::disconnect(int bus) {
   Line& line = lines_[static_cast<std::size_t>(bus)];
   line.bus->stop();
   line.terminal.reset();
+  line.interface.reset();
 }
 
 // --- Mechanics ---
