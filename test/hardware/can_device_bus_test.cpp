@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <map>
 
 #include "hardware/can_frames.h"
 #include "sinew/common/config_error.h"
@@ -20,6 +21,8 @@ class ScriptedPort : public CanPort {
       return StreamStatus::kTimeout;
     }
     sent.push_back(frame);
+    const auto answer = answers.find(frame.id);
+    if (answer != answers.end()) arriving.push_back(answer->second);
     return StreamStatus::kOk;
   }
   StreamStatus receive(CanFrame& frame, Duration timeout) override {
@@ -42,6 +45,7 @@ class ScriptedPort : public CanPort {
 
   std::vector<CanFrame> sent;
   std::deque<CanFrame> arriving;
+  std::map<std::uint32_t, CanFrame> answers;  // to what is sent
   bool closed = false, full = false;
 
  private:
@@ -167,15 +171,22 @@ TEST(CanDeviceBus, SyncEndsTheSetPointsWhereADeviceWantsIt) {
 
 TEST(CanDeviceBus, ReadWaitsUntilAllHaveComeAndNoLonger) {
   Bench b;
-  const auto receive = [&b](std::deque<CanFrame> frames) {
+  const auto readFor = [&b] {
     const Time start = b.port->now();
-    b.port->arriving = std::move(frames);
-    b.bus->read(start);
+    EXPECT_TRUE(b.bus->read(start));
     return seconds(b.port->now() - start);
   };
-  EXPECT_NEAR(receive({}), 0.002, 1e-9) << "nobody answers";
+  EXPECT_NEAR(readFor(), 0.002, 1e-9) << "nobody answers";
   EXPECT_FALSE(b.bus->readings()[0].valid);
   EXPECT_EQ(b.bus->counters().missing, 2u);
+  b.port->answers[0x10] = makeFrame(0x11, {7, 8});
+  EXPECT_NEAR(readFor(), 0.002, 1e-9) << "one does not answer";
+  EXPECT_TRUE(b.bus->readings()[0].valid);
+  EXPECT_FALSE(b.bus->readings()[1].valid);
+  b.port->answers[0x20] = makeFrame(0x21, {9});
+  EXPECT_EQ(readFor(), 0);
+  EXPECT_TRUE(b.bus->readings()[1].valid);
+  EXPECT_EQ(b.bus->counters().missing, 3u);
 }
 
 TEST(CanDeviceBus, EveryFrameIsShownToAllAndCounted) {

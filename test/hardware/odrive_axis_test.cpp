@@ -200,11 +200,15 @@ TEST(OdriveAxis, NamesWhatKeepsItFromBeingSetUp) {
   EXPECT_NE(hot.bus->problem().find("inverter over temp"), std::string::npos) << hot.bus->problem();
 }
 
-TEST(OdriveAxis, RefusesATensionThatNoCurrentBounds) {
+TEST(OdriveAxis, RefusesATensionThatNoCurrentBoundsAndAHomingThatItHasNot) {
   OdriveBench b(1);
   WinchDescription cable;
   cable.spool_radius = 0.01;
   cable.torque_constant = 0.5;
+  EXPECT_THROW(OdriveAxis(OdriveSettings(), cable, OdriveBench::makeBounds(0), b.makeTiming()), ConfigError);
+  cable.tension_max = 20;
+  EXPECT_NO_THROW(OdriveAxis(OdriveSettings(), cable, OdriveBench::makeBounds(0), b.makeTiming()));
+  cable.homing.method = HomingMethod::kDevice;
   EXPECT_THROW(OdriveAxis(OdriveSettings(), cable, OdriveBench::makeBounds(0), b.makeTiming()), ConfigError);
 }
 
@@ -243,6 +247,19 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"jump", [](OdriveBench& b) { b.drive(0).setShaftAngle(b.line->shaftAngle(0) + 5); }, kFaultJumped,
                   false}),
     [](const testing::TestParamInfo<FaultCase>& one) { return std::string(one.param.name); });
+
+TEST(OdriveAxis, RecoveryFromAHalfRelaxedHoldMovesNothing) {
+  OdriveBench b(1);
+  ASSERT_TRUE(b.start());
+  b.run({0.05}, 200);
+  ASSERT_TRUE(b.bus->relax({true}, 0.3));
+  b.run({0.05}, 800);
+  const double slipped = b.reeled(0);
+  ASSERT_LT(b.tension(0), 7);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone) << b.bus->problem();
+  EXPECT_NEAR(b.reeled(0), slipped, 1e-6);
+  EXPECT_TRUE(b.reading(0).zero_valid);
+}
 
 // What happens to the zero between one set-up and the next.
 TEST(OdriveAxis, AZeroOutlivesARecoveryButNotARestart) {

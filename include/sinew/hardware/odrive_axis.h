@@ -19,7 +19,7 @@ namespace sinew {
 /// axis is found in closed loop, or unmoved more than a turn from where a restarted encoder counts from.
 class OdriveAxis : public CanDevice {
  public:
-  /// Throws ConfigError when the tension cannot be bounded.
+  /// Throws ConfigError when the tension cannot be bounded, or the axis cannot home as it should.
   OdriveAxis(const OdriveSettings& settings, const WinchDescription& cable, const ActuatorBounds& bounds,
              const DeviceTiming& timing);
 
@@ -44,7 +44,7 @@ class OdriveAxis : public CanDevice {
   const BusCounters& counters() const override { return counters_; }
 
  private:
-  enum class Step { kFind, kIdle, kProve, kArm, kConfigure, kLocate, kEnable, kDone };
+  enum class Step { kFind, kIdle, kProve, kArm, kLocate, kEnable, kDone };
   using Frames = std::uint32_t;  // one bit a command
 
   ActuatorReading& reading() { return readings_.front(); }
@@ -54,7 +54,6 @@ class OdriveAxis : public CanDevice {
   SetUpProgress goIdle(Time now, CanSender& out);
   SetUpProgress proveWatchdog(Time now);
   SetUpProgress armWatchdog(Time now, CanSender& out);
-  SetUpProgress configure(Time now, CanSender& out);
   SetUpProgress locate(Time now, CanSender& out);
   SetUpProgress enable(Time now, CanSender& out);
   bool isDue(Time now);
@@ -69,6 +68,7 @@ class OdriveAxis : public CanDevice {
   void takeHeartbeat(const OdriveHeartbeat& heartbeat, Time now);
   void takeError(std::uint32_t error);
   void takePosition(double turns, Time now);
+  void configure(CanSender& out);
   void checkZero();
 
   double toDisplacement(double turns) const;

@@ -21,6 +21,7 @@ constexpr double kHeartbeats = 5;       // so many missed ones are a pause
 constexpr double kSlack = 0.1;          // s by which an axis' watchdog may be late
 constexpr double kJumpTurns = 0.25;     // a position may differ so much from the last one, ...
 constexpr double kJumpMargin = 2;       // ... plus this times what the velocity limit allows
+constexpr double kMaxTurns = 1e6;       // beyond, a float no longer tells a position
 constexpr double kUnmistakable = 1.25;  // turns from 0, where a restarted encoder never counts from
 constexpr std::uint32_t kInitializing = 1;
 
@@ -62,6 +63,8 @@ OdriveAxis::OdriveAxis(const OdriveSettings& settings, const WinchDescription& c
   if (!(current_limit_ > 0) || !std::isfinite(current_limit_))
     throw ConfigError(bounds.name + ".tension_max", std::to_string(cable.tension_max),
                       "N above 0 that the motor's current can bound");
+  if (cable.homing.method == HomingMethod::kDevice)
+    throw ConfigError(bounds.name + ".homing.method", "device", "present or tension for an ODrive");
   problem_.reserve(256);
 }
 
@@ -127,8 +130,6 @@ SetUpProgress OdriveAxis::updateSetUp(Time now, CanSender& out) {
       return proveWatchdog(now);
     case Step::kArm:
       return armWatchdog(now, out);
-    case Step::kConfigure:
-      return configure(now, out);
     case Step::kLocate:
       return locate(now, out);
     case Step::kEnable:
@@ -151,7 +152,7 @@ SetUpProgress OdriveAxis::find(Time now, CanSender& out) {
     const bool certain = proven_ || settings_.watchdog.given;
     if (!armed() || error_ != 0 || !certain) return enter(Step::kIdle, now);
     paused_ = false;
-    return enter(settings_.watchdog.given ? Step::kArm : Step::kConfigure, now);
+    return enter(settings_.watchdog.given ? Step::kArm : Step::kLocate, now);
   }
   if (!isOver(booting ? kBootTime : kFindTime + kHeartbeats * settings_.heartbeat, now)) return SetUpProgress::kBusy;
   if (!found_) return fail("is not heard: check its node number, the bit rate and the wiring");
@@ -163,7 +164,7 @@ SetUpProgress OdriveAxis::goIdle(Time now, CanSender& out) {
   const bool asked = sent_ != Time{};
   if (asked && spoken_ && idle() && error_ == 0) {
     if (settings_.watchdog.given) return enter(Step::kArm, now);
-    return enter(proven_ ? Step::kConfigure : Step::kProve, now);
+    return enter(proven_ ? Step::kLocate : Step::kProve, now);
   }
   if (isOver(kAnswerTime + 2 * settings_.heartbeat, now)) {
     if (!idle()) return fail("does not go idle");
@@ -182,7 +183,7 @@ SetUpProgress OdriveAxis::proveWatchdog(Time now) {
   const double limit = timing_.watchdog + 2 * settings_.heartbeat + kSlack;
   if ((error_ & odriveWatchdogError(settings_.firmware)) != 0 && spoken_) {
     proven_ = true;
-    return enter(Step::kConfigure, now);
+    return enter(Step::kLocate, now);
   }
   if (!isOver(limit, now)) return SetUpProgress::kBusy;
   return fail("has no watchdog that acts within " + std::to_string(timing_.watchdog) +
@@ -202,11 +203,7 @@ SetUpProgress OdriveAxis::armWatchdog(Time now, CanSender& out) {
     answered_ = false;
     if (answer_.value == wanted.value) {
       sent_ = {};
-      if (++armed_writes_ == 2) {
-        proven_ = true;
-        return enter(Step::kConfigure, now);
-      }
-      return SetUpProgress::kBusy;
+      return ++armed_writes_ == 2 ? enter(Step::kLocate, now) : SetUpProgress::kBusy;
     }
   }
   if (isOver(2 * kAnswerTime, now))
@@ -224,33 +221,33 @@ void OdriveAxis::sendLimits(double share, CanSender& out) {
                             static_cast<float>(share * current_limit_)));
 }
 
-SetUpProgress OdriveAxis::configure(Time now, CanSender& out) {
-  if (!armed()) out.send(makeOdriveClearErrors(settings_.node));
-  sendLimits(1, out);
-  out.send(makeOdrivePositionMode(settings_.node, settings_.input));
-  if (settings_.input == OdriveInput::kTrapezoidal) {
-    out.send(makeOdriveTrajVelLimit(settings_.node, static_cast<float>(velocity_limit_)));
-    const double acceleration = settings_.acceleration * std::abs(turns_per_meter_);
-    out.send(makeOdriveTrajAccelLimits(settings_.node, static_cast<float>(acceleration)));
-  }
-  located_ = false;
-  return enter(Step::kLocate, now);
-}
-
-// The position now becomes the goal before the loop is closed: nothing moves.
+// The position now becomes the goal before limits are raised and the loop is closed: nothing moves.
 SetUpProgress OdriveAxis::locate(Time now, CanSender& out) {
   const bool asked = sent_ != Time{};
   if (asked && located_) {
     checkZero();
     goal_ = static_cast<float>(turns_);
-    out.send(makeOdriveInputPos(settings_.node, goal_));
+    configure(out);
     return enter(Step::kEnable, now);
   }
   if (isOver(kAnswerTime, now)) return fail("does not tell its position");
+  located_ = false;
   awaited_ = bitOf(OdriveCommand::kGetEncoderEstimates);
   sent_ = now;
   out.send(makeOdriveRequest(settings_.node, OdriveCommand::kGetEncoderEstimates));
   return SetUpProgress::kBusy;
+}
+
+void OdriveAxis::configure(CanSender& out) {
+  out.send(makeOdriveInputPos(settings_.node, goal_));
+  if (!armed()) out.send(makeOdriveClearErrors(settings_.node));
+  out.send(makeOdrivePositionMode(settings_.node, settings_.input));
+  if (settings_.input == OdriveInput::kTrapezoidal) {
+    const double acceleration = settings_.acceleration * std::abs(turns_per_meter_);
+    out.send(makeOdriveTrajVelLimit(settings_.node, static_cast<float>(velocity_limit_)));
+    out.send(makeOdriveTrajAccelLimits(settings_.node, static_cast<float>(acceleration)));
+  }
+  sendLimits(1, out);
 }
 
 SetUpProgress OdriveAxis::enable(Time now, CanSender& out) {
@@ -333,15 +330,18 @@ bool OdriveAxis::takeMessage(OdriveCommand command, const CanFrame& frame, Time 
       takeHeartbeat(heartbeat, now);
       return true;
     case OdriveCommand::kGetVersion:
-      return version_known_ = decodeOdrive(frame, version_);
+      version_known_ = decodeOdrive(frame, version_);
+      return version_known_;
     case OdriveCommand::kTxSdo:
-      return answered_ = decodeOdrive(frame, answer_);
+      answered_ = decodeOdrive(frame, answer_);
+      return answered_;
     case OdriveCommand::kGetError:
       if (!decodeOdrive(frame, error)) return false;
       if (isKnown(command, settings_.firmware)) takeError(error.active);
       return true;
     default:
       if (!decodeOdrive(frame, pair)) return false;
+      if (command == OdriveCommand::kGetEncoderEstimates && !(std::abs(pair.first) < kMaxTurns)) return false;
       takePair(command, pair, now);
       return true;
   }
