@@ -26,8 +26,8 @@ CanopenSettings makeSettings(std::uint8_t node = kNode) {
   return s;
 }
 
-CableDescription makeCable() {
-  CableDescription cable;
+WinchDescription makeCable() {
+  WinchDescription cable;
   cable.spool_radius = kRadius;
   cable.sign = 1;
   cable.torque_constant = 0.5;
@@ -44,7 +44,7 @@ DeviceTiming makeTiming() {
 }
 
 struct Rig {
-  explicit Rig(const CanopenSettings& settings = makeSettings(), const CableDescription& cable = makeCable(),
+  explicit Rig(const CanopenSettings& settings = makeSettings(), const WinchDescription& cable = makeCable(),
                const SimulatedCia402Drive::Parameters& parameters = {})
       : node(settings.node, parameters), drive(settings, cable, makeBounds(), makeTiming()) {
     bench.add(node);

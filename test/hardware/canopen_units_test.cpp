@@ -20,8 +20,8 @@ CanopenSettings makeSettings(CanopenEffort effort = CanopenEffort::kTorque, doub
   return s;
 }
 
-CableDescription makeCable(int sign = 1) {
-  CableDescription cable;
+WinchDescription makeCable(int sign = 1) {
+  WinchDescription cable;
   cable.spool_radius = 0.02;
   cable.sign = sign;
   cable.torque_constant = 0.4;

@@ -21,7 +21,7 @@ namespace sinew {
 class CanopenDrive : public CanDevice {
  public:
   /// Throws ConfigError where the settings do not fit the drive's numbers or each other.
-  CanopenDrive(const CanopenSettings& settings, const CableDescription& cable, const ActuatorBounds& bounds,
+  CanopenDrive(const CanopenSettings& settings, const WinchDescription& cable, const ActuatorBounds& bounds,
                const DeviceTiming& timing);
 
   int size() const override { return 1; }

@@ -26,7 +26,7 @@ class CanopenSetUp {
   static const EffortObjects& effortObjects(CanopenEffort effort);
 
   /// Throws ConfigError where the settings cannot be brought into the drive's numbers.
-  CanopenSetUp(const CanopenSettings& settings, const CableDescription& cable, const ActuatorBounds& bounds,
+  CanopenSetUp(const CanopenSettings& settings, const WinchDescription& cable, const ActuatorBounds& bounds,
                const DeviceTiming& timing);
 
   /// Begins anew; `home`: whether the drive is to search for its zero if that is what its cable asks for. It does too

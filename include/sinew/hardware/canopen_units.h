@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "sinew/hardware/cable_description.h"
 #include "sinew/hardware/canopen_settings.h"
+#include "sinew/hardware/winch_description.h"
 
 namespace sinew {
 
@@ -12,7 +12,7 @@ namespace sinew {
 ///   tension = sign * torque / radius
 class CanopenUnits {
  public:
-  CanopenUnits(const CanopenSettings& settings, const CableDescription& cable);
+  CanopenUnits(const CanopenSettings& settings, const WinchDescription& cable);
 
   /// Whether efforts count in parts of a rating (6075 or 6076), which then has to be read first.
   bool needsRating() const { return per_rating_ > 0; }

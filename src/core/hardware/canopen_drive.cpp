@@ -17,7 +17,7 @@ constexpr double kJump = kTurn / 4;          // rad of the spool from one readin
 constexpr double kJumpSpeed = 2 * kTurn;     // ... rad/s since
 constexpr std::size_t kPositionSize = 6;     // bytes of the PDO with statusword and position
 
-void check(const CanopenSettings& s, const CableDescription& cable, const ActuatorBounds& bounds) {
+void check(const CanopenSettings& s, const WinchDescription& cable, const ActuatorBounds& bounds) {
   if (cable.homing.method == HomingMethod::kDevice && s.homing.method == 0)
     throw ConfigError(bounds.name + ".drive_homing", "nothing", "the drive's homing, which homing.method asks for");
   const CanopenUnits units(s, cable);
@@ -28,7 +28,7 @@ void check(const CanopenSettings& s, const CableDescription& cable, const Actuat
 
 }  // namespace
 
-CanopenDrive::CanopenDrive(const CanopenSettings& settings, const CableDescription& cable, const ActuatorBounds& bounds,
+CanopenDrive::CanopenDrive(const CanopenSettings& settings, const WinchDescription& cable, const ActuatorBounds& bounds,
                            const DeviceTiming& timing)
     : settings_((check(settings, cable, bounds), settings)),
       name_(bounds.name),

@@ -60,7 +60,7 @@ const CanopenSetUp::EffortObjects& CanopenSetUp::effortObjects(CanopenEffort eff
   return kObjects[static_cast<std::size_t>(effort)];
 }
 
-CanopenSetUp::CanopenSetUp(const CanopenSettings& s, const CableDescription& cable, const ActuatorBounds& bounds,
+CanopenSetUp::CanopenSetUp(const CanopenSettings& s, const WinchDescription& cable, const ActuatorBounds& bounds,
                            const DeviceTiming& timing)
     : node_(s.node),
       effort_(effortObjects(s.effort)),

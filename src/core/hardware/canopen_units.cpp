@@ -30,7 +30,7 @@ std::uint32_t roundUp(double value) {
 
 }  // namespace
 
-CanopenUnits::CanopenUnits(const CanopenSettings& s, const CableDescription& cable)
+CanopenUnits::CanopenUnits(const CanopenSettings& s, const WinchDescription& cable)
     : radius_(cable.spool_radius),
       sign_(cable.sign),
       torque_constant_(cable.torque_constant),
