@@ -29,8 +29,8 @@ class CanopenDrive : public CanDevice {
   void startSetUp(bool home_all) override;
   SetUpProgress updateSetUp(Time now, CanSender& out) override;
   void writeSetPoints(const double* set_points, Time now, CanSender& out) override;
-  /// The bus's SYNC has asked already: from now on, until the cycle ends, answers count as this cycle's.
-  void request(Time now, CanSender& out) override;
+  /// Nothing: the bus's SYNC asks. From the set point until the cycle ends, answers count as this cycle's.
+  void request(Time, CanSender&) override {}
   bool take(const CanFrame& frame, Time now) override;
   bool complete() const override { return position_seen_ && effort_seen_; }
   void endCycle(Time now) override;

@@ -114,6 +114,8 @@ class SimulatedCia402Drive : public SimulatedCanNode {
 
   void control(std::uint16_t word);
   void enterOperation();
+  void beginStop(State state);
+  void beginQuickStop();
   void stopConnection();
   void raiseFault(std::uint16_t code, std::uint8_t error_register);
   void sendEmergency(std::uint16_t code, std::uint8_t error_register);

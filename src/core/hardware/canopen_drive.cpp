@@ -128,6 +128,8 @@ void CanopenDrive::sendControl(std::uint16_t controlword, std::int32_t target, C
 
 void CanopenDrive::writeSetPoints(const double* set_points, Time now, CanSender& out) {
   if (life_ != Life::kRunning) return;
+  asked_ = true;
+  asked_at_ = now;
   if (now - heartbeat_at_ > watchdog_ && !off_) {  // the drive has stopped: enabling it again would move it
     raise(kFaultWatchdog);
     stopped_ = true;
@@ -147,11 +149,6 @@ void CanopenDrive::updateErrorCode(Time now, CanSender& out) {
   if (sdo_.status() != CanopenSdo::Status::kDone) return;
   emergency_.code = static_cast<std::uint16_t>(sdo_.value());
   raise(cia402::calcFault(emergency_.code));
-}
-
-void CanopenDrive::request(Time now, CanSender&) {
-  asked_ = true;
-  asked_at_ = now;
 }
 
 void CanopenDrive::endCycle(Time) {

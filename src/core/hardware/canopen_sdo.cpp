@@ -160,9 +160,9 @@ void CanopenSdo::advance(const SdoReply& reply) {
 }
 
 void CanopenSdo::takeUploadStart(const SdoReply& reply) {
+  if (reply.size > kCapacity) return abort(canopen::kAbortMemory);
   sized_ = reply.sized;
   size_ = reply.size;
-  if (size_ > kCapacity) return abort(canopen::kAbortMemory);
   phase_ = Phase::kUploadSegments;
   due_ = true;
 }

@@ -462,7 +462,7 @@ void SimulatedCia402Drive::control(std::uint16_t word) {
       break;
     case State::kOperationEnabled:
       if (disable_voltage) state_ = State::kSwitchOnDisabled;
-      if (quick_stop) state_ = dictionary_.get(0x605A) == 0 ? State::kSwitchOnDisabled : State::kQuickStop;
+      if (quick_stop) beginQuickStop();
       if (shutdown) state_ = State::kReadyToSwitchOn;
       if (switch_on) state_ = State::kSwitchedOn;
       if (enable && (rising & 0x10) != 0 && dictionary_.get(0x6061) == kHomingMode) startHoming();
@@ -488,6 +488,17 @@ void SimulatedCia402Drive::enterOperation() {
   retarget();
 }
 
+// The ramp begins at the speed that the shaft has.
+void SimulatedCia402Drive::beginStop(State state) {
+  state_ = state;
+  demand_ = angle_;
+  demand_speed_ = omega_;
+}
+
+void SimulatedCia402Drive::beginQuickStop() {
+  beginStop(dictionary_.get(0x605A) == 0 ? State::kSwitchOnDisabled : State::kQuickStop);
+}
+
 // What object 6007 asks for when the driver is gone.
 void SimulatedCia402Drive::stopConnection() {
   switch (dictionary_.get(0x6007)) {
@@ -498,8 +509,7 @@ void SimulatedCia402Drive::stopConnection() {
       if (torqueOn()) state_ = State::kSwitchOnDisabled;
       break;
     case 3:
-      if (state_ == State::kOperationEnabled)
-        state_ = dictionary_.get(0x605A) == 0 ? State::kSwitchOnDisabled : State::kQuickStop;
+      if (state_ == State::kOperationEnabled) beginQuickStop();
       break;
     default:
       break;
@@ -517,7 +527,7 @@ void SimulatedCia402Drive::sendEmergency(std::uint16_t code, std::uint8_t error_
 
 void SimulatedCia402Drive::raiseFault(std::uint16_t code, std::uint8_t error_register) {
   if (state_ == State::kFault || state_ == State::kFaultReaction) return;
-  state_ = torqueOn() ? State::kFaultReaction : State::kFault;
+  beginStop(torqueOn() ? State::kFaultReaction : State::kFault);
   dictionary_.set(0x603F, 0, code);
   dictionary_.set(0x1001, 0, error_register);
   sendEmergency(code, error_register);

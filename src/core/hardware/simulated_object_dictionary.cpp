@@ -109,13 +109,13 @@ std::uint32_t SimulatedObjectDictionary::write(std::uint16_t index, std::uint8_t
 bool SimulatedSdoServer::serve(const CanFrame& request, CanFrame& reply) {
   if (request.size != 8) return false;
   reply = CanFrame{};
-  reply.id = 0x580u + node_;
-  reply.size = 8;
   const unsigned command = request.data[0] >> 5;
   if (command == 4) {
     reset();
     return false;
   }
+  reply.id = 0x580u + node_;
+  reply.size = 8;
   if (command == 1 || command == 2) {
     index_ = static_cast<std::uint16_t>(request.data[1] | request.data[2] << 8);
     subindex_ = request.data[3];
