@@ -20,48 +20,11 @@ using Rig = CanopenRig;
 constexpr double kPeriod = Rig::kPeriod, kWatchdog = Rig::kWatchdog, kRadius = Rig::kRadius;
 constexpr double kCount = kRadius / Rig::kCountsPerRadian;  // m of cable
 
-<<<<<<< HEAD
-CanopenSettings makeSettings(std::uint8_t node = kNode) {
-  CanopenSettings s;
-  s.node = node;
-  s.driver_node = 127;
-  s.counts_per_turn = 4096;
-  s.gear = 10;
-  s.rated_unit = 1e-3;
-  s.heartbeat = 0.05;
-  return s;
-}
-
-WinchDescription makeCable() {
-  WinchDescription cable;
-  cable.spool_radius = kRadius;
-  cable.sign = 1;
-  cable.torque_constant = 0.5;
-  cable.tension_max = kTensionMax;
-  return cable;
-}
-
-ActuatorBounds makeBounds() {
-  return {"cable", -0.1, 0.1, 0.2};
-}
-
-DeviceTiming makeTiming() {
-  return {kPeriod, kWatchdog, 0.004, kMissingLimit};
-}
-
-struct Rig {
-  explicit Rig(const CanopenSettings& settings = makeSettings(), const WinchDescription& cable = makeCable(),
-               const SimulatedCia402Drive::Parameters& parameters = {})
-      : node(settings.node, parameters), drive(settings, cable, makeBounds(), makeTiming()) {
-    bench.add(node);
-    bench.add(drive);
-=======
 class CanopenDriveTest : public testing::Test {
  protected:
   void make(const CanopenSettings& settings = Rig::makeSettings(), const WinchDescription& cable = Rig::makeCable(),
             const SimulatedCia402Drive::Parameters& parameters = {}) {
     rig = std::make_unique<Rig>(settings, cable, parameters);
->>>>>>> 720e8ad5c956049cd243e6981f4040a8f3aacae4
   }
   void setUpWell(bool home_all = false) {
     ASSERT_EQ(rig->setUp(home_all), SetUpProgress::kDone) << rig->drive.problem();

@@ -10,7 +10,7 @@
 namespace sinew {
 namespace {
 
-const std::string kLeast = "node: 5\ncounts_per_turn: 4096\n";
+const std::string kLeast = "id: 5\ncounts_per_turn: 4096\n";
 
 CanopenSettings read(const std::string& text) {
   return CanopenSettings::read(YamlReader::fromText(text, "robot.yaml"));
@@ -49,7 +49,7 @@ TEST(CanopenSettings, TheLeastThatADriveNeeds) {
 
 TEST(CanopenSettings, Everything) {
   const CanopenSettings s = read(R"(
-node: 9
+id: 9
 driver_node: 1
 vendor: 0xFB
 product: 0xFFFFFFFF
@@ -86,9 +86,9 @@ drive_homing: {method: -3, search_speed: 1, zero_speed: 0.1, acceleration: 5, ti
 }
 
 TEST(CanopenSettings, ComplaintsNameTheKeyAndWhatWasFound) {
-  expectComplaint("counts_per_turn: 4096\n", "node", "nothing");
-  expectComplaint("node: 128\ncounts_per_turn: 4096\n", "node", "'128'");
-  expectComplaint("node: 5\n", "counts_per_turn", "nothing");
+  expectComplaint("counts_per_turn: 4096\n", "id", "nothing");
+  expectComplaint("id: 128\ncounts_per_turn: 4096\n", "id", "'128'");
+  expectComplaint("id: 5\n", "counts_per_turn", "nothing");
   expectComplaint(kLeast + "driver_node: 5\n", "driver_node", "another node");
   expectComplaint(kLeast + "vendor: 0x1FFFFFFFF\n", "vendor", "0x1FFFFFFFF");
   expectComplaint(kLeast + "gear: 0\n", "gear", "'0'");

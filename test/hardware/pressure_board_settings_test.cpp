@@ -21,12 +21,12 @@ std::string complaint(const std::string& text) {
 }
 
 TEST(PressureBoardSettings, ReadsItsKeys) {
-  const PressureBoardSettings s = read("{board: 12, channel: 3, pressure_limit: 60000, on_silence: seal}");
+  const PressureBoardSettings s = read("{id: 12, channel: 3, pressure_limit: 60000, on_silence: seal}");
   EXPECT_EQ(s.address, 12);
   EXPECT_EQ(s.channel, 3);
   EXPECT_EQ(s.pressure_limit, 60000);
   EXPECT_EQ(s.on_silence, PressureMode::kSeal);
-  EXPECT_EQ(read("{board: 1, channel: 0, pressure_limit: 1}").on_silence, PressureMode::kVent);
+  EXPECT_EQ(read("{id: 1, channel: 0, pressure_limit: 1}").on_silence, PressureMode::kVent);
 }
 
 TEST(PressureBoardSettings, ComplaintsGiveTheKeyTheValueAndWhatIsRight) {
@@ -34,12 +34,12 @@ TEST(PressureBoardSettings, ComplaintsGiveTheKeyTheValueAndWhatIsRight) {
     const char* text;
     const char *key, *found, *expected;
   } cases[] = {
-      {"{channel: 0, pressure_limit: 1}", "robot.yaml: board", "nothing", "1 to 247"},
-      {"{board: 248, channel: 0, pressure_limit: 1}", "board", "248", "1 to 247"},
-      {"{board: 1, channel: 16, pressure_limit: 1}", "channel", "16", "0 to 15"},
-      {"{board: 1, channel: 0}", "pressure_limit", "nothing", "number"},
-      {"{board: 1, channel: 0, pressure_limit: -5}", "pressure_limit", "-5", "0"},
-      {"{board: 1, channel: 0, pressure_limit: 1, on_silence: hold}", "on_silence", "hold", "vent, seal"},
+      {"{channel: 0, pressure_limit: 1}", "robot.yaml: id", "nothing", "1 to 247"},
+      {"{id: 248, channel: 0, pressure_limit: 1}", "id", "248", "1 to 247"},
+      {"{id: 1, channel: 16, pressure_limit: 1}", "channel", "16", "0 to 15"},
+      {"{id: 1, channel: 0}", "pressure_limit", "nothing", "number"},
+      {"{id: 1, channel: 0, pressure_limit: -5}", "pressure_limit", "-5", "0"},
+      {"{id: 1, channel: 0, pressure_limit: 1, on_silence: hold}", "on_silence", "hold", "vent, seal"},
   };
   for (const auto& c : cases) {
     const std::string said = complaint(c.text);

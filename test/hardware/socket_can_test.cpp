@@ -190,7 +190,7 @@ TEST_F(VirtualCan, ABusOfOdrivesIsSetUpFollowsAndStopsByItself) {
     simulated.push_back({std::make_unique<SimulatedOdrive>(i + 1, parameters), {i}});
     OdriveSettings settings;
     settings.node = i + 1;
-    CableDescription cable;
+    WinchDescription cable;
     cable.spool_radius = kRadius;
     cable.torque_constant = 0.5;
     cable.tension_max = 20;
