@@ -20,7 +20,7 @@ constexpr double kRelaxTime = 0.3;       // s
 constexpr double kWatchdog = 0.1;        // s
 constexpr double kWatchTime = 0.2;       // s
 constexpr double kStiffness = 400;       // N/m of the robot at each cable
-constexpr double kTensionMax = 20;       // N
+constexpr double kPretension = 1;        // N at displacement 0
 const double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A kind of device, as far as the matrix has to know it.
@@ -80,16 +80,14 @@ class Bench {
         driver(description_, makeBusGroup(description_, hardware.opener())),
         reader_(description_.names(), description_.quantities()),
         condition_(condition),
-        set_point_(2, 0.0) {
-    pretension_ = condition == Condition::kLoaded ? 9 : 1;
-  }
+        set_point_(2, 0.0) {}
 
   bool pneumatic() const { return description_.actuators[0].quantity == Quantity::kPressure; }
   double scale() const { return pneumatic() ? 1e6 : 1; }  // Pa for m
 
   double tension(int i) {
     if (pneumatic() || (snapped && i == 0)) return 0;
-    return std::max(0., pretension_ + kStiffness * hardware.value(i));
+    return std::max(0., kPretension + kStiffness * hardware.value(i));
   }
 
   /// One period: command, bus cycle, mechanics.
@@ -150,14 +148,15 @@ class Bench {
       phase_ += kPeriod;
       for (std::size_t i = 0; i < 2; ++i)
         set_point_[i] = base_[i] + scale() * 0.006 * (1 - std::cos(2 * kPi * phase_ / 1.6));
-    } else if (pneumatic()) {
-      for (std::size_t i = 0; i < 2; ++i) set_point_[i] = std::min(30000., set_point_[i] + 500);
+    } else {
+      const double load = pneumatic() ? 30000 : 0.02;  // Pa, or m: 8 N
+      for (std::size_t i = 0; i < 2; ++i) set_point_[i] = std::min(base_[i] + load, set_point_[i] + load / 60);
     }
     const std::vector<std::uint8_t> modes(2, pneumatic() ? 2 : 0);
     std::vector<double> expected(2, kUnknown);
     if (!pneumatic())
       for (int i = 0; i < 2; ++i)
-        expected[static_cast<std::size_t>(i)] = std::max(0., pretension_ + kStiffness * hardware.value(i));
+        expected[static_cast<std::size_t>(i)] = std::max(0., kPretension + kStiffness * hardware.value(i));
     driver.offer(
         reader_.read(7, ++sequence_, 0, description_.names(), modes, set_point_, expected, hardware.clock.now));
   }
@@ -176,7 +175,7 @@ class Bench {
   CommandReader reader_;
   Condition condition_;
   std::vector<double> set_point_, base_;
-  double pretension_ = 1, phase_ = 0, worst_excess_ = -1;
+  double phase_ = 0, worst_excess_ = -1;
   std::uint32_t sequence_ = 0;
 };
 
@@ -237,7 +236,7 @@ const std::vector<Fault>& faults() {
     f.bound = [](const Kind&) { return 2 * kPeriod + 1e-9; };
     f.has = always;
     list.push_back(f);
-    f.name = "freeze";
+    f.name = "freeze";  // whoever can do nothing at all cannot let go either
     f.begin = [](Bench& b, const Kind&) { bus(b).setFrozen(0, true); };
     f.end = [](Bench& b, const Kind&) { bus(b).setFrozen(0, false); };
     f.bound = deviceLoss;
@@ -304,7 +303,8 @@ void runCell(const Kind& kind, const Fault& fault, Condition condition) {
   fault.begin(b, kind);
   const double reaction = b.timeUntil([&] { return b.driver.report().state == fault.leads_to; }, 3);
   checkAtMost(("fault_matrix." + cell).c_str(), 1e3 * reaction, 1e3 * fault.bound(kind), "ms");
-  if (fault.device_reacts) {
+  const bool whole_board = fault.first_is_deaf && isPneumatic(kind);  // both channels are on it
+  if (fault.device_reacts && !whole_board) {
     // The driver lets go over relax_time where it can; where it cannot, the devices' own watchdogs do.
     const double letting_go = b.timeUntil([&] { return !b.anyEnergised(fault.first_is_deaf); }, 3);
     checkAtMost(("fault_matrix_device." + cell).c_str(), 1e3 * letting_go,
@@ -314,7 +314,7 @@ void runCell(const Kind& kind, const Fault& fault, Condition condition) {
   EXPECT_FALSE(fault.leads_to == DriverState::kFault && b.driver.report().reason.empty());
 
   fault.end(b, kind);
-  for (int n = 0; n < 100; ++n) b.cycle();
+  for (int n = 0; n < 300; ++n) b.cycle();  // until nothing drags or vents any more
   const double before[2] = {b.hardware.value(0), b.hardware.value(1)};
   ASSERT_TRUE(b.driver.request(DriverRequest::kRecover)) << b.driver.report().reason;
   EXPECT_TRUE(b.runUntil(DriverState::kReady, 20)) << b.driver.report().reason;
@@ -352,7 +352,7 @@ TEST_P(FaultMatrix, RidesOutABadLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, FaultMatrix, testing::Range(0, 5),
-                         [](const auto& info) { return kKinds[static_cast<std::size_t>(info.param)].name; });
+                         [](const auto& kind) { return kKinds[static_cast<std::size_t>(kind.param)].name; });
 
 }  // namespace
 }  // namespace sinew

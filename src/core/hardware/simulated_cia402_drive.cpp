@@ -432,7 +432,7 @@ bool SimulatedCia402Drive::torqueOn() const {
 }
 
 bool SimulatedCia402Drive::energised(int) const {
-  return powered_ && torqueOn();
+  return powered_ && torqueOn() && state_ != State::kQuickStop;
 }
 
 void SimulatedCia402Drive::control(std::uint16_t word) {
