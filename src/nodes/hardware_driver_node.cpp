@@ -105,8 +105,11 @@ bool HardwareDriverNode::onVerb(const std::string& verb, DriverRequest request, 
   const DriverReport& report = for_services_.front();
   const std::string state = name(report.state) + (report.reason.empty() ? "" : ": " + report.reason) +
                             (report.emergency_stop ? "; the emergency stop is pressed" : "");
-  response.success = settled;
-  response.message = taken ? state : verb + " is not possible now (" + state + ")";
+  const bool nothing_to_do = request == DriverRequest::kRecover && !taken && takesCommands(report.state);
+  response.success = settled || nothing_to_do;
+  response.message = taken           ? state
+                     : nothing_to_do ? "nothing to recover from: " + state
+                                     : verb + " is not possible now (" + state + ")";
   return true;
 }
 

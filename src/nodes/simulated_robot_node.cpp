@@ -6,7 +6,6 @@
 #include <sinew/BodyState.h>
 #include <sinew/ContactArray.h>
 #include <sinew/EffectorTargets.h>
-#include <sinew/InjectFault.h>
 
 #include <algorithm>
 #include <atomic>
@@ -22,14 +21,13 @@
 #include "parameters.h"
 #include "real_time.h"
 #include "ros_conversions.h"
-#include "simulated_robot_node_faults.h"
+#include "simulated_devices.h"
 #include "simulated_robot_node_load.h"
 #include "simulated_robot_node_obstacles.h"
 #include "simulated_robot_node_plant.h"
 #include "simulated_robot_node_settings.h"
 #include "simulated_robot_node_tracker.h"
 #include "sinew/common/newest_wins.h"
-#include "sinew/hardware/simulated_hardware.h"
 
 namespace sinew {
 namespace {
@@ -59,17 +57,14 @@ class SimulatedRobotNode {
   SimulatedRobotNode(ros::NodeHandle node, ros::NodeHandle private_node, const SimulatedRobotSettings& settings)
       : settings_(settings),
         plant_(makePlant(settings)),
-        hardware_(settings.hardware),
+        devices_(node, private_node, settings.hardware, settings.line),
         reeled_in_(VecX::Zero(static_cast<Eigen::Index>(settings.winches.size()))),
         tension_(VecX::Zero(static_cast<Eigen::Index>(settings.winches.size()))),
-        faults_(hardware_, settings.line, [this](int bus, double time) { disconnect(bus, time); }),
-        reconnect_timers_(static_cast<size_t>(hardware_.buses())),
         tracker_(settings.tracker),
         node_(node),
         obstacles_(makeObstacles(node, plant_.sharedRobot())),
         diagnostics_(node, private_node) {
-    advertise(private_node);
-    for (int bus = 0; bus < hardware_.buses(); ++bus) connect(bus);
+    advertise();
     device_thread_ = std::thread([this] { moveDevices(); });
     body_thread_ = std::thread([this] { moveBody(); });
   }
@@ -81,7 +76,7 @@ class SimulatedRobotNode {
   }
 
  private:
-  void advertise(ros::NodeHandle& private_node) {
+  void advertise() {
     const RobotDescription& description = plant_.robot().description();
     effectors_message_.header.frame_id = description.frame;
     for (const EffectorDescription& effector : description.effectors) {
@@ -95,7 +90,6 @@ class SimulatedRobotNode {
     contacts_message_.header.frame_id = description.frame;
     part_owners_ = listPartOwners(plant_.robot());
     contacts_ = node_.advertise<ContactArray>("plant/contacts", 10);
-    inject_ = private_node.advertiseService("inject", &SimulatedRobotNode::onInject, this);
     diagnostics_.setHardwareID("simulated");
     diagnostics_.add("simulated robot", this, &SimulatedRobotNode::diagnose);
     diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(0.2), [this](const ros::WallTimerEvent&) {
@@ -103,46 +97,20 @@ class SimulatedRobotNode {
     });
   }
 
-  void connect(int bus) {
-    hardware_.connect(bus);
-    ROS_INFO("devices answer at %s", hardware_.port(bus).c_str());
-  }
-
-  void disconnect(int bus, double time) {
-    hardware_.disconnect(bus);
-    reconnect_timers_[static_cast<size_t>(bus)] = node_.createWallTimer(
-        ros::WallDuration(time), [this, bus](const ros::WallTimerEvent&) { reconnect(bus); }, true);
-  }
-
-  void reconnect(int bus) {
-    try {
-      connect(bus);
-    } catch (const std::exception& error) {
-      ROS_ERROR("the line stays away: %s", error.what());
-    }
-  }
-
-  bool onInject(InjectFault::Request& request, InjectFault::Response& response) {
-    const FaultDesk::Answer answer = faults_.inject(request.fault, request.actuator, request.value);
-    response.success = answer.success;
-    response.message = answer.message;
-    if (answer.success) ROS_INFO("injected: %s", answer.message.c_str());
-    return true;
-  }
-
   void moveDevices() {
     PeriodicWakeUp wake_up(kDevicePeriod);
+    SimulatedHardware& hardware = devices_.hardware();
     double moved_until = steadyNow();
     while (running_) {
       wake_up.wait();
       const double now = steadyNow();
       tension_.update();
       for (size_t k = 0; k < settings_.winches.size(); ++k)
-        hardware_.setTension(settings_.winches[k], tension_.front()[static_cast<Eigen::Index>(k)]);
-      hardware_.step(now - moved_until);
+        hardware.setTension(settings_.winches[k], tension_.front()[static_cast<Eigen::Index>(k)]);
+      hardware.step(now - moved_until);
       moved_until = now;
       for (size_t k = 0; k < settings_.winches.size(); ++k)
-        reeled_in_.back()[static_cast<Eigen::Index>(k)] = hardware_.reeledIn(settings_.winches[k]);
+        reeled_in_.back()[static_cast<Eigen::Index>(k)] = hardware.reeledIn(settings_.winches[k]);
       reeled_in_.publish();
       device_load_.update();
     }
@@ -161,12 +129,13 @@ class SimulatedRobotNode {
       reeled_in_.update();
       if (obstacles_) plant_.setObstacles(obstacles_->update(time));
       for (size_t k = 0; k < settings_.winches.size(); ++k)
-        plant_.setSnapped(static_cast<int>(k), hardware_.snapped(settings_.winches[k]));
+        plant_.setSnapped(static_cast<int>(k), devices_.hardware().snapped(settings_.winches[k]));
       plant_.step(reeled_in_.front(), wake_up.period());
       tension_.write(plant_.simulator().effort());
       track(stamp, time);
       publishEffectors(stamp);
       publishContacts(stamp);
+      devices_.publish(stamp);
       if (step % steps_per_display == 0) publishBody(stamp);
       skipped_steps_ = wake_up.skipped();
       failed_steps_ = plant_.failedSteps();
@@ -246,29 +215,26 @@ class SimulatedRobotNode {
     status.add("body steps failed", failed_steps_.load());
     status.add("body steps skipped", skipped_steps_.load());
     status.addf("body residual [1]", "%.2e", residual_.load());
-    const LineFaultCounts line = faults_.lineCounts();
+    const LineFaultCounts line = devices_.faults().lineCounts();
     status.add("line packets sent", line.sent);
     status.add("line packets corrupted", line.corrupted);
     status.add("line packets dropped", line.dropped);
     status.add("line packets delayed", line.delayed);
-    for (const auto& [fault, count] : faults_.counts()) status.add("injected " + fault, count);
+    for (const auto& [fault, count] : devices_.faults().counts()) status.add("injected " + fault, count);
   }
 
   const SimulatedRobotSettings settings_;
   SimulatedPlant plant_;  // body thread
-  SimulatedHardware hardware_;
+  SimulatedDevicesDesk devices_;
   NewestWins<VecX> reeled_in_;  // m, from the devices to the body
   NewestWins<VecX> tension_;    // N, back
-  FaultDesk faults_;
-  std::vector<ros::WallTimer> reconnect_timers_;  // one per bus
-  SimulatedTracker tracker_;                      // body thread
+  SimulatedTracker tracker_;    // body thread
 
   ros::NodeHandle node_;
   std::unique_ptr<SimulatedObstacles> obstacles_;  // body thread; null where none is tracked
   diagnostic_updater::Updater diagnostics_;
   std::vector<ros::Publisher> tracked_;
   ros::Publisher effectors_, body_, contacts_;
-  ros::ServiceServer inject_;
   ros::WallTimer diagnostics_timer_;
   EffectorTargets effectors_message_;
   BodyState body_message_;
