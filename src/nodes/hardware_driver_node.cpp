@@ -42,6 +42,7 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
       driver_(description_,
               makeBusGroup(description_, makeLineOpener(Parameters(private_node).flagOr("simulated", false)))),
       reader_(description_.names(), description_.quantities()),
+      zeros_(Parameters(private_node).textOr("zero_file", makeZeroPath(private_node.getNamespace()))),
       for_services_(driver_.report()),
       for_diagnostics_(driver_.report()),
       node_(node),
@@ -64,8 +65,11 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
   advertiseVerb("shutdown", DriverRequest::kShutdown);
   diagnostics_.setHardwareID(listPorts(description_));
   diagnostics_.add("hardware driver", this, &HardwareDriverNode::diagnose);
-  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0),
-                                             [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) {
+    diagnostics_.force_update();
+    zeros_.update(message_.name, for_diagnostics_.front().zero_counts);
+  });
+  restoreZeros();
   service_thread_.start();
   bus_ = std::thread(&HardwareDriverNode::runBus, this);
 }
@@ -83,6 +87,14 @@ void HardwareDriverNode::advertiseVerb(const std::string& verb, DriverRequest re
     return onVerb(verb, request, response);
   };
   verbs_.push_back(service_node_.advertiseService(verb, callback));
+}
+
+void HardwareDriverNode::restoreZeros() {
+  const std::map<std::string, double> zeros = zeros_.take();
+  for (std::size_t i = 0; i < message_.name.size(); ++i) {
+    const auto zero = zeros.find(message_.name[i]);
+    if (zero != zeros.end()) driver_.restoreZero(static_cast<int>(i), zero->second);
+  }
 }
 
 // --- Callbacks ---
@@ -175,7 +187,7 @@ void HardwareDriverNode::retryInit() {
   const bool idle = state == DriverState::kOff || state == DriverState::kFault;
   if (!auto_init_ || !idle || Clock::now() - last_attempt_ < duration(kRetryPeriod)) return;
   last_attempt_ = Clock::now();
-  driver_.request(DriverRequest::kInit);
+  driver_.request(DriverRequest::kRecover);
 }
 
 void HardwareDriverNode::publish(const DriverReport& report) {

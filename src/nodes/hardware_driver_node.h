@@ -17,6 +17,7 @@
 #include "sinew/common/newest_wins.h"
 #include "sinew/hardware/command_queue.h"
 #include "sinew/hardware/hardware_driver.h"
+#include "zero_file.h"
 
 namespace sinew {
 
@@ -42,6 +43,7 @@ class HardwareDriverNode {
   void onCommand(const ActuatorCommand::ConstPtr& message);
   bool onVerb(const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response);
   bool settle(DriverRequest request);
+  void restoreZeros();
   void runBus();
   void waitForCycle(Time last, bool commanded);
   bool takeInputs();
@@ -53,6 +55,7 @@ class HardwareDriverNode {
   bool auto_init_;
   HardwareDriver driver_;
   CommandReader reader_;
+  ZeroFile zeros_;
   CommandQueue commands_;
   WakeUp wake_up_;
   std::atomic<int> request_{kNoRequest};

@@ -27,6 +27,7 @@ static_assert(nextState(S::kFault, E::kPrepared) == S::kFault, "");
 const std::map<std::pair<S, E>, S>& arrows() {
   static const std::map<std::pair<S, E>, S> kArrows = {
       {{S::kOff, E::kInit}, S::kInitialising},
+      {{S::kOff, E::kRecover}, S::kInitialising},
       {{S::kInitialising, E::kPrepared}, S::kReady},
       {{S::kInitialising, E::kHalt}, S::kSafe},
       {{S::kInitialising, E::kEmergency}, S::kSafe},

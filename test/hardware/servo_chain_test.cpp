@@ -127,6 +127,34 @@ TEST(ServoChain, ARestartedServoIsNoticedAndItsZeroIsGone) {
   EXPECT_FALSE(b.chain.readings()[1].zero_valid);
 }
 
+// A driver that is killed and started again finds servos that have kept counting.
+TEST(ServoChain, AnEarlierLifesZeroHoldsUnlessTheServoHasRestarted) {
+  Bench first(2);
+  ASSERT_EQ(first.setUp(), Progress::kDone);
+  first.chain.read(first.line.now());
+  first.chain.setZero(0, 0.004);
+  first.chain.setZero(1, 0.004);
+  const double zeros[2] = {first.chain.zeroCounts(0), first.chain.zeroCounts(1)};
+  first.bus.powerCycle(1);
+
+  ServoChain second(first.description, 0,
+                    [&](std::string&) { return std::shared_ptr<ByteStream>(&first.line, [](ByteStream*) {}); });
+  std::string why;
+  ASSERT_TRUE(second.open(why));
+  for (int i = 0; i < 2; ++i) second.restoreZero(i, zeros[i]);
+  second.startSetUp(false);
+  Progress progress = Progress::kBusy;
+  for (int n = 0; n < 500 && progress == Progress::kBusy; ++n) {
+    progress = second.updateSetUp(first.line.now());
+    first.pass();
+  }
+  ASSERT_EQ(progress, Progress::kDone) << second.problem();
+  second.read(first.line.now());
+  EXPECT_TRUE(second.readings()[0].zero_valid);
+  EXPECT_NEAR(second.readings()[0].measured, 0.004, 2e-5);
+  EXPECT_FALSE(second.readings()[1].zero_valid) << "it has lost its turns";
+}
+
 TEST(ServoChain, AJumpMakesTheZeroInvalid) {
   Bench b(1);
   ASSERT_EQ(b.setUp(), Progress::kDone);

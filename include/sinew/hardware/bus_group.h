@@ -34,6 +34,8 @@ class BusGroup : public DeviceBus {
   bool relax(const std::vector<bool>& which, double share) override;
   bool switchOff(const std::vector<bool>& which) override;
   void setZero(int i, double displacement) override;
+  double zeroCounts(int i) const override;
+  void restoreZero(int i, double counts) override;
   const std::vector<ActuatorReading>& readings() const override { return readings_; }
   std::string faultDetail(int i) const override;
   const std::string& problem() const override { return problem_; }

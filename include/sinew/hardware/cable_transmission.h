@@ -15,9 +15,11 @@ class CableTransmission {
 
   /// A per unit of the current registers, 2.69 mA unless told otherwise.
   void setCurrentUnit(double amperes) { current_unit_ = amperes; }
+  void restoreZero(double counts) { zero_ = counts; }
   /// Makes `displacement` [m] belong to the position `counts`.
   void setZero(std::int32_t counts, double displacement = 0);
 
+  double zero() const { return zero_; }              ///< counts at displacement 0
   double displacement(std::int32_t counts) const;    ///< m
   std::int32_t counts(double displacement) const;    ///< nearest
   double tension(std::int32_t current) const;        ///< N, from the present-current register

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,13 @@ class DeviceBus {
 
   /// Names the position where cable `i` was last read `displacement` [m], and makes its zero valid.
   virtual void setZero(int i, double displacement) = 0;
+
+  /// What the device of cable `i` itself counts at displacement 0, for whoever writes it down; not a number where a
+  /// later life of this software could not make use of it.
+  virtual double zeroCounts(int /*i*/) const { return std::numeric_limits<double>::quiet_NaN(); }
+  /// Gives back, before any set-up, what `zeroCounts` said in an earlier life. The zero is valid again when set-up
+  /// finds that the device has not restarted since.
+  virtual void restoreZero(int /*i*/, double /*counts*/) {}
 
   virtual const std::vector<ActuatorReading>& readings() const = 0;
   /// What the devices' own words add to the fault bits of actuator `i`, e.g. "emergency code 0x3210"; empty when

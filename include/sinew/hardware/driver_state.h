@@ -16,7 +16,7 @@ enum class DriverState : std::uint8_t {
 };
 
 enum class DriverEvent : std::uint8_t {
-  kInit,         ///< asked to connect and home
+  kInit,         ///< asked to connect and to home everything
   kPrepared,     ///< set-up and homing done
   kCommand,      ///< a command that may be followed from here without a jump
   kCommandLost,  ///< none for the command timeout
@@ -41,7 +41,7 @@ constexpr DriverState nextState(DriverState state, DriverEvent event) {
   if (event == E::kEmergency) return state == S::kOff || state == S::kFault ? state : S::kSafe;
   switch (state) {
     case S::kOff:
-      return event == E::kInit ? S::kInitialising : state;
+      return event == E::kInit || event == E::kRecover ? S::kInitialising : state;
     case S::kInitialising:
       if (event == E::kPrepared) return S::kReady;
       return event == E::kHalt ? S::kSafe : state;

@@ -18,9 +18,9 @@ namespace sinew {
 
 /// What a user may ask of the driver.
 enum class DriverRequest {
-  kInit,       ///< connect, home, switch on
+  kInit,       ///< connect, home everything, switch on
   kHome,       ///< home again, from ready
-  kRecover,    ///< leave holding, safe or fault
+  kRecover,    ///< the same, but zeros that are still valid are kept; or leave holding, safe or fault
   kHalt,       ///< stop where it is, latched
   kEmergency,  ///< every actuator into its behaviour of on_timeout, latched
   kShutdown    ///< relax and switch off
@@ -32,6 +32,7 @@ struct DriverReport {
   std::string reason;                      ///< why it is in this state
   std::vector<ActuatorReading> actuators;  ///< in the order of the description
   std::vector<double> applied;             ///< m or Pa, set points after the driver's own limits
+  std::vector<double> zero_counts;         ///< DeviceBus::zeroCounts, where the zero is valid
   double command_age = -1;                 ///< s since the last accepted command, -1 before the first
   std::uint32_t session = 0;               ///< 0 while any session may come
   std::uint32_t sequence = 0;
@@ -50,6 +51,9 @@ class HardwareDriver {
 
   /// Returns whether the request leads anywhere from the present state; the outcome shows in the reports that follow.
   bool request(DriverRequest request);
+
+  /// Before the first request: see DeviceBus::restoreZero.
+  void restoreZero(int actuator, double counts) { devices_->restoreZero(actuator, counts); }
 
   /// Says whether an emergency stop is pressed. Letting go of it moves nothing: `recover` does.
   void setEmergencyStop(bool pressed);

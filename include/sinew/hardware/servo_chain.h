@@ -41,6 +41,8 @@ class ServoChain : public DeviceBus {
   bool relax(const std::vector<bool>& which, double share) override;
   bool switchOff(const std::vector<bool>& which) override;
   void setZero(int i, double displacement) override;
+  double zeroCounts(int i) const override { return servos_[static_cast<std::size_t>(i)].cable.zero(); }
+  void restoreZero(int i, double counts) override;
   const std::vector<ActuatorReading>& readings() const override { return readings_; }
   std::string faultDetail(int i) const override;
   const std::string& problem() const override { return problem_; }
@@ -58,6 +60,7 @@ class ServoChain : public DeviceBus {
     Time rebooted{};
     bool rebooting = false;
     double relaxed_from = 0;  // N
+    bool remembered = false;  // its zero is that of an earlier life of this software
   };
   // Servos whose blocks are at the same address, which one transaction reads.
   struct ReadGroup {

@@ -115,9 +115,19 @@ void BusGroup::setZero(int i, double displacement) {
       if (b.actuators[k] == i) b.bus->setZero(static_cast<int>(k), displacement), collect(b);
 }
 
+double BusGroup::zeroCounts(int i) const {
+  const auto [bus, k] = find(i);
+  return bus->bus->zeroCounts(k);
+}
+
+void BusGroup::restoreZero(int i, double counts) {
+  const auto [bus, k] = find(i);
+  bus->bus->restoreZero(k, counts);
+}
+
 std::string BusGroup::faultDetail(int i) const {
   const auto [bus, k] = find(i);
-  return bus == nullptr ? "" : bus->bus->faultDetail(k);
+  return bus->bus->faultDetail(k);
 }
 
 std::pair<const BusGroup::Bus*, int> BusGroup::find(int i) const {

@@ -82,6 +82,7 @@ HardwareDriver::HardwareDriver(const HardwareDescription& description, std::uniq
       target_(description.actuators.size(), 0.0),
       measured_(description.actuators.size(), 0.0) {
   expected_.fill(std::numeric_limits<double>::quiet_NaN());
+  report_.zero_counts.resize(target_.size());
   report_.reason.reserve(256);
   report_.reason = "not initialised";
   fillReport(Time{});
@@ -92,7 +93,7 @@ HardwareDriver::HardwareDriver(const HardwareDescription& description, std::uniq
 bool HardwareDriver::request(DriverRequest request) {
   if (request == DriverRequest::kHome && state_ != DriverState::kReady) return false;
   if (report_.emergency_stop && wakesDevices(request)) return false;
-  home_all_ = request == DriverRequest::kRecover ? home_all_ && state_ == DriverState::kOff : true;
+  home_all_ = request != DriverRequest::kRecover;
   bool taken = handle(eventOf(request), reasonOf(request));
   if (request == DriverRequest::kEmergency && !taken && state_ != DriverState::kOff) {
     startRelease(false);  // after a halt, say, which lets nothing go
@@ -369,6 +370,8 @@ void HardwareDriver::fillReport(Time now) {
   for (std::size_t i = 0; i < measured_.size(); ++i) {
     measured_[i] = report_.actuators[i].measured;
     report_.actuators[i].fault |= watch_.fault(static_cast<int>(i));
+    report_.zero_counts[i] = report_.actuators[i].zero_valid ? devices_->zeroCounts(static_cast<int>(i))
+                                                             : std::numeric_limits<double>::quiet_NaN();
   }
   // Where nothing holds a set point, it follows the measurement, so that whoever commands next starts from there.
   report_.state = state_;

@@ -171,11 +171,12 @@ bool ServoChain::configureRegisters(std::size_t i) {
     if (!read(i, wanted.first, found)) return false;
     if (found == wanted.second) continue;
     if (!write(i, reg::kTorqueEnable, 0) || !write(i, wanted.first, wanted.second)) return false;
-    readings_[i].zero_valid = false;
+    readings_[i].zero_valid = servos_[i].remembered = false;
   }
   bool mapped = false;
   if (!mapReading(i, mapped)) return false;
-  if (!mapped) readings_[i].zero_valid = false;
+  readings_[i].zero_valid = mapped && (readings_[i].zero_valid || servos_[i].remembered);
+  servos_[i].remembered = false;
   return true;
 }
 
@@ -241,6 +242,12 @@ void ServoChain::setZero(int i, double displacement) {
   servos_[k].cable.setZero(servos_[k].counts, displacement);
   readings_[k].measured = displacement;
   readings_[k].zero_valid = true;
+}
+
+void ServoChain::restoreZero(int i, double counts) {
+  Servo& s = servos_[static_cast<std::size_t>(i)];
+  s.cable.restoreZero(counts);
+  s.remembered = true;
 }
 
 bool ServoChain::writeSetPoints(const double* set_points, Time /*now*/) {
