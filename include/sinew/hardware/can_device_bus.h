@@ -91,6 +91,7 @@ class CanDeviceBus : public DeviceBus {
   Duration reply_timeout_;
   Sender sender_;
   bool line_gone_ = false;
+  bool asked_ = false;  // by set points that no read has followed yet
   std::vector<ActuatorReading> readings_;
   std::string problem_;
   BusCounters counters_;

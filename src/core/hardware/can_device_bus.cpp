@@ -142,6 +142,7 @@ bool CanDeviceBus::writeSetPoints(const double* set_points, Time now) {
     sendSetPoints(p, now);
   }
   sendSync();
+  asked_ = true;
   return finishSending();
 }
 
@@ -151,7 +152,8 @@ bool CanDeviceBus::isComplete() const {
 
 bool CanDeviceBus::read(Time now) {
   startSending();
-  drain(now);
+  if (!asked_) drain(now);  // after set points, what has come already may answer them
+  asked_ = false;
   for (Part& p : parts_) p.device->request(now, sender_);
   CanFrame frame;
   while (port_ != nullptr && !isComplete()) {
