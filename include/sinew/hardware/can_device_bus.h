@@ -75,9 +75,9 @@ class CanDeviceBus : public DeviceBus {
   };
 
   void startSending();
-  bool finishSending();
+  bool isLineThere() const;
   void drain(Time now);
-  bool show(const CanFrame& frame, Time now);
+  void show(const CanFrame& frame, Time now);
   bool isComplete() const;
   void sendSetPoints(Part& part, Time now);
   void sendSync();

@@ -10,8 +10,8 @@ namespace sinew {
 /// One ODrive axis as seen over CAN Simple, with the spool that its motor turns. Mechanics are quasi-static,
 ///   damping * omega = motor torque + load torque - friction of a limp shaft,
 /// with the motor torque bounded by the current limit, and all of it at the spool's shaft. Angles of the shaft are the
-/// spool's; the encoder counts turns of the motor from where it was switched on. What a message is told here is decoded
-/// by the simulation's own means.
+/// spool's; the encoder counts turns of the motor from where it was switched on. It shares no code with the
+/// driver's side.
 class SimulatedOdrive : public SimulatedCanNode {
  public:
   struct Parameters {

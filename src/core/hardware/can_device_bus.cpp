@@ -58,17 +58,15 @@ void CanDeviceBus::startSending() {
   if (port_ != nullptr) sender_.deadline = port_->now() + reply_timeout_;
 }
 
-// Whether the line is still there.
-bool CanDeviceBus::finishSending() {
+bool CanDeviceBus::isLineThere() const {
   return !sender_.closed && !line_gone_;
 }
 
-bool CanDeviceBus::show(const CanFrame& frame, Time now) {
+void CanDeviceBus::show(const CanFrame& frame, Time now) {
   ++received_;
   bool taken = false;
   for (Part& p : parts_) taken = p.device->take(frame, now) || taken;
   if (!taken) ++strangers_;
-  return taken;
 }
 
 // What has come since the last call belongs to no request under way.
@@ -114,7 +112,7 @@ SetUpProgress CanDeviceBus::updateSetUp(Time now) {
   }
   if (hold) sendSync();
   collect();
-  if (!finishSending()) {
+  if (!isLineThere()) {
     problem_ = "the CAN bus is gone";
     return SetUpProgress::kFailed;
   }
@@ -143,7 +141,7 @@ bool CanDeviceBus::writeSetPoints(const double* set_points, Time now) {
   }
   sendSync();
   asked_ = true;
-  return finishSending();
+  return isLineThere();
 }
 
 bool CanDeviceBus::isComplete() const {
@@ -166,7 +164,7 @@ bool CanDeviceBus::read(Time now) {
   }
   for (Part& p : parts_) p.device->endCycle(now);
   collect();
-  return finishSending();
+  return isLineThere();
 }
 
 // The flags of one device's actuators; false when none is meant.
@@ -183,14 +181,14 @@ bool CanDeviceBus::relax(const std::vector<bool>& which, double share) {
   startSending();
   for (Part& p : parts_)
     if (select(p, which)) p.device->relax(p.which.get(), share, sender_);
-  return finishSending();
+  return isLineThere();
 }
 
 bool CanDeviceBus::switchOff(const std::vector<bool>& which) {
   startSending();
   for (Part& p : parts_)
     if (select(p, which)) p.device->switchOff(p.which.get(), sender_);
-  return finishSending();
+  return isLineThere();
 }
 
 void CanDeviceBus::setZero(int i, double displacement) {
