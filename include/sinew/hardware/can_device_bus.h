@@ -31,7 +31,7 @@ class CanDeviceBus : public DeviceBus {
 
   int size() const override { return static_cast<int>(readings_.size()); }
   bool open(std::string& why) override;
-  void close() override { port_.reset(); }
+  void close() override;
   bool isOpen() const override { return port_ != nullptr; }
 
   void startSetUp(bool home_all) override;
@@ -96,6 +96,7 @@ class CanDeviceBus : public DeviceBus {
   std::string problem_;
   BusCounters counters_;
   std::uint64_t received_ = 0, strangers_ = 0;
+  std::uint64_t damaged_ = 0;  // on ports that are closed by now
 };
 
 }  // namespace sinew

@@ -46,7 +46,13 @@ bool CanDeviceBus::Sender::send(const CanFrame& frame) {
   return status == StreamStatus::kOk;
 }
 
+void CanDeviceBus::close() {
+  if (port_ != nullptr) damaged_ += port_->damaged();
+  port_.reset();
+}
+
 bool CanDeviceBus::open(std::string& why) {
+  close();
   port_ = open_port_(why);
   return port_ != nullptr;
 }
@@ -205,6 +211,7 @@ std::string CanDeviceBus::faultDetail(int i) const {
 void CanDeviceBus::collect() {
   counters_ = {};
   counters_.stale = strangers_;
+  counters_.corrupted = damaged_ + (port_ != nullptr ? port_->damaged() : 0);
   for (const Part& p : parts_) {
     const BusCounters& c = p.device->counters();
     counters_.corrupted += c.corrupted;
