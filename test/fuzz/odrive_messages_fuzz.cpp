@@ -43,7 +43,7 @@ OdriveAxis makeAxis(std::uint8_t kind) {
   settings.cyclic = (kind & 2) != 0;
   if ((kind & 4) != 0) settings.watchdog = {true, 268, 269};
   if ((kind & 16) != 0) settings.input = OdriveInput::kTrapezoidal;
-  CableDescription cable;
+  WinchDescription cable;
   cable.spool_radius = 0.01;
   cable.sign = (kind & 8) != 0 ? -1 : 1;
   cable.torque_constant = 0.5;

@@ -35,6 +35,7 @@ class ScriptedPort : public CanPort {
     arriving.pop_front();
     return StreamStatus::kOk;
   }
+  std::uint64_t damaged() const override { return damaged_lines; }
   Time now() const override { return now_; }
   std::vector<std::uint32_t> takeSent() {
     std::vector<std::uint32_t> ids;
@@ -47,6 +48,7 @@ class ScriptedPort : public CanPort {
   std::deque<CanFrame> arriving;
   std::map<std::uint32_t, CanFrame> answers;  // to what is sent
   bool closed = false, full = false;
+  std::uint64_t damaged_lines = 0;
 
  private:
   Time now_{std::chrono::seconds(1)};
@@ -199,6 +201,20 @@ TEST(CanDeviceBus, EveryFrameIsShownToAllAndCounted) {
   EXPECT_EQ(b.bus->readings()[0].measured, 7);
   EXPECT_EQ(b.bus->readings()[1].measured, 9);
   EXPECT_EQ(b.bus->readings()[2].measured, 8);
+}
+
+TEST(CanDeviceBus, WhatThePortCountsOutlivesItsClosing) {
+  Bench b;
+  b.port->damaged_lines = 3;
+  b.bus->read(b.port->now());
+  EXPECT_EQ(b.bus->counters().corrupted, 3u);
+  b.bus->close();
+  b.port = std::make_shared<ScriptedPort>();
+  b.port->damaged_lines = 2;
+  std::string why;
+  ASSERT_TRUE(b.bus->open(why));
+  b.bus->read(b.port->now());
+  EXPECT_EQ(b.bus->counters().corrupted, 5u);
 }
 
 TEST(CanDeviceBus, ABusFullOfStrangersDoesNotHoldItUp) {

@@ -230,7 +230,7 @@ TEST_P(OdriveFault, IsShownWithinTheMissingLimitAndStays) {
   const int cycles = b.cyclesUntil(0, GetParam().fault, {0.01, 0.01});
   EXPECT_GT(cycles, 0) << std::hex << b.reading(0).fault;
   EXPECT_LE(cycles, OdriveBench::kMissingLimit + 1);
-  b.run({0.01, 0.01}, 20);
+  b.run({0.01, 0.01}, 100);
   EXPECT_NE(b.reading(0).fault & GetParam().fault, 0u) << "until the next set-up";
   EXPECT_EQ(b.reading(0).zero_valid, GetParam().zero_kept);
   EXPECT_EQ(b.reading(1).fault != 0, std::string(GetParam().name) == "supply_dip") << "of both, or of the first alone";
@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"frozen", [](OdriveBench& b) { b.line->setFrozen(0, true); }, kFaultSilent, true},
         FaultCase{"overheated", [](OdriveBench& b) { b.line->setTemperature(0, 120); }, kFaultOverheated, true},
         FaultCase{"supply_dip", [](OdriveBench& b) { b.line->setSupplyVoltage(9); }, kFaultUndervolted, false},
-        FaultCase{"power_cycle", [](OdriveBench& b) { b.line->powerCycle(0); }, kFaultOff, false},
+        FaultCase{"power_cycle", [](OdriveBench& b) { b.line->powerCycle(0); }, kFaultSilent, false},
         FaultCase{"encoder", [](OdriveBench& b) { b.drive(0).raise(8); }, kFaultEncoder, true},
         FaultCase{"jump", [](OdriveBench& b) { b.drive(0).setShaftAngle(b.line->shaftAngle(0) + 5); }, kFaultJumped,
                   false}),
@@ -252,10 +252,11 @@ TEST(OdriveAxis, RecoveryFromAHalfRelaxedHoldMovesNothing) {
   OdriveBench b(1);
   ASSERT_TRUE(b.start());
   b.run({0.05}, 200);
+  const double taut = b.tension(0);
   ASSERT_TRUE(b.bus->relax({true}, 0.3));
   b.run({0.05}, 800);
   const double slipped = b.reeled(0);
-  ASSERT_LT(b.tension(0), 7);
+  ASSERT_NEAR(b.tension(0), 0.3 * taut, 0.01);
   ASSERT_EQ(b.setUp(), SetUpProgress::kDone) << b.bus->problem();
   EXPECT_NEAR(b.reeled(0), slipped, 1e-6);
   EXPECT_TRUE(b.reading(0).zero_valid);
@@ -287,22 +288,45 @@ TEST(OdriveAxis, AfterSilenceAZeroIsKeptOnlyWhereARestartWouldShow) {
     OdriveBench b(options);
     ASSERT_TRUE(b.start());
     b.run({far}, 200);
-    for (int n = 0; n < 300; ++n) b.pass();
+    b.port->setPlugged(false);
+    for (int n = 0; n < 300; ++n) b.cycle({far});
+    b.port->setPlugged(true);
+    CanFrame missed;
+    while (b.port->receive(missed, Duration{0}) == StreamStatus::kOk) continue;
     ASSERT_EQ(b.setUp(), SetUpProgress::kDone) << b.bus->problem();
     EXPECT_EQ(b.reading(0).zero_valid, far > 0);
     EXPECT_NEAR(b.reading(0).measured, far, 1e-4);
   }
 }
 
+// A driver in fault reads now and then; the heartbeats that have come meanwhile tell that nothing has restarted.
+TEST(OdriveAxis, AZeroOutlivesAFaultWhoseHeartbeatsAreAllThere) {
+  OdriveBench b(2);
+  ASSERT_TRUE(b.start());
+  b.run({0.005, 0.005}, 100);
+  for (int n = 0; n < 10; ++n) {
+    for (int k = 0; k < 70; ++k) b.pass();
+    b.bus->read(b.port->now());
+  }
+  EXPECT_FALSE(b.line->energised(0));
+  const double at = b.reading(0).measured;
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone) << b.bus->problem();
+  EXPECT_TRUE(b.reading(0).zero_valid);
+  EXPECT_NEAR(b.reading(0).measured, at, 1e-3) << "the cable may creep off its limp spool";
+}
+
 TEST(OdriveAxis, RelaxesToNothingAndLetsGo) {
   OdriveBench b(2);
   ASSERT_TRUE(b.start());
   b.run({0.02, 0.02}, 100);
+  const double before = std::abs(b.drive(0).motorTorque()), angle = b.reeled(0);
+  ASSERT_TRUE(b.bus->relax({true, false}, 1));
+  b.cycle({0.02, 0.02});
+  EXPECT_NEAR(b.reeled(0), angle, 1e-6) << "the whole effort holds the cable";
   for (int n = 0; n <= 20; ++n) {
     ASSERT_TRUE(b.bus->relax({true, false}, 1 - n / 20.));
     b.cycle({0.02, 0.02});
-    const double torque = (1 - n / 20.) * OdriveBench::kTensionMax * OdriveBench::kRadius;
-    EXPECT_LE(std::abs(b.drive(0).motorTorque()), torque + 1e-6) << n;
+    EXPECT_LE(std::abs(b.drive(0).motorTorque()), (1 - n / 20.) * before + 1e-6) << n;
   }
   EXPECT_GT(b.tension(1), 5);
   ASSERT_TRUE(b.bus->switchOff({true, false}));

@@ -84,6 +84,9 @@ TEST(SimulatedOdrive, CountsTurnsOfTheMotorFromWhereItWasSwitchedOn) {
   b.drive.setShaftAngle(kTwoPi / 2);
   EXPECT_NEAR(floatAt(b.ask(0x09), 0), 2, 1e-6);
   b.drive.powerCycle();
+  EXPECT_TRUE(b.pass(0.79).empty());
+  EXPECT_TRUE(b.tell(makeRemote(kNode * 32 + 9, 0)).empty()) << "still starting";
+  EXPECT_FALSE(b.pass(0.1).empty());
   EXPECT_NEAR(floatAt(b.ask(0x09), 0), 0, 1e-6);
 }
 
@@ -166,6 +169,7 @@ TEST(SimulatedOdrive, IsSilentWithoutSupplyAndForgetsEverything) {
   EXPECT_TRUE(b.pass(0.5).empty());
   EXPECT_TRUE(b.tell(makeRemote(kNode * 32 + 9, 0)).empty());
   b.drive.setSupplyVoltage(24);
+  b.pass(0.9);
   EXPECT_EQ(b.drive.state(), 1);
   EXPECT_NEAR(floatAt(b.ask(0x09), 0), 0, 1e-6);
   EXPECT_EQ(b.drive.currentLimit(), 20);

@@ -15,9 +15,11 @@
 
 #include "hardware/can_frames.h"
 #include "sinew/hardware/can_device_bus.h"
+#include "sinew/hardware/canopen_drive.h"
 #include "sinew/hardware/odrive_axis.h"
 #include "sinew/hardware/pseudo_terminal.h"
 #include "sinew/hardware/simulated_can_bus.h"
+#include "sinew/hardware/simulated_cia402_drive.h"
 #include "sinew/hardware/simulated_odrive.h"
 
 namespace sinew {
@@ -179,23 +181,37 @@ TEST_F(VirtualCan, TheKernelDrivesTheSimulatedAdapter) {
   bus.stop();
 }
 
-TEST_F(VirtualCan, ABusOfOdrivesIsSetUpFollowsAndStopsByItself) {
+TEST_F(VirtualCan, ABusOfBothKindsOfDriveIsSetUpFollowsAndStopsByItself) {
   constexpr double kPeriod = 0.02, kWatchdog = 0.5, kRadius = 0.01;
+  constexpr int kDrives = 4, kOdrives = 2;
   std::vector<SimulatedCanBus::Member> simulated;
   std::vector<CanDeviceBus::Member> members;
   const DeviceTiming timing{kPeriod, kWatchdog, 0.02, 20};
-  for (int i = 0; i < 3; ++i) {
-    SimulatedOdrive::Parameters parameters;
-    parameters.watchdog_timeout = kWatchdog;
-    simulated.push_back({std::make_unique<SimulatedOdrive>(i + 1, parameters), {i}});
-    OdriveSettings settings;
-    settings.node = i + 1;
-    WinchDescription cable;
-    cable.spool_radius = kRadius;
-    cable.torque_constant = 0.5;
-    cable.tension_max = 20;
+  WinchDescription cable;
+  cable.spool_radius = kRadius;
+  cable.torque_constant = 0.5;
+  cable.tension_max = 20;
+  for (int i = 0; i < kDrives; ++i) {
     const ActuatorBounds bounds{"cable_" + std::to_string(i), -0.1, 0.1, 0.1};
-    members.push_back({std::make_unique<OdriveAxis>(settings, cable, bounds, timing), {i}});
+    if (i < kOdrives) {
+      SimulatedOdrive::Parameters parameters;
+      parameters.watchdog_timeout = kWatchdog;
+      OdriveSettings settings;
+      settings.node = i + 1;
+      simulated.push_back({std::make_unique<SimulatedOdrive>(i + 1, parameters), {i}});
+      members.push_back({std::make_unique<OdriveAxis>(settings, cable, bounds, timing), {i}});
+    } else {
+      CanopenSettings settings;
+      settings.node = static_cast<std::uint8_t>(31 + i);
+      settings.driver_node = 127;
+      settings.counts_per_turn = 4096;
+      settings.gear = 10;
+      settings.rated_unit = 1e-3;
+      settings.heartbeat = 0.1;
+      simulated.push_back(
+          {std::make_unique<SimulatedCia402Drive>(settings.node, SimulatedCia402Drive::Parameters()), {i}});
+      members.push_back({std::make_unique<CanopenDrive>(settings, cable, bounds, timing), {i}});
+    }
   }
   SocketCan devices_side;
   ASSERT_TRUE(devices_side.open(kInterface));
@@ -222,23 +238,30 @@ TEST_F(VirtualCan, ABusOfOdrivesIsSetUpFollowsAndStopsByItself) {
     pass();
   }
   ASSERT_EQ(progress, SetUpProgress::kDone) << bus.problem();
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < kDrives; ++i) {
     bus.setZero(i, 0);
     EXPECT_NEAR(line.shaftAngle(i), 0, 1e-6) << "nothing has moved";
   }
-  const double set_points[] = {0.01, 0.005, -0.005};
+  const double set_points[] = {0.01, -0.005, 0.01, -0.005};
   for (int n = 0; n < 50; ++n) {
     ASSERT_TRUE(bus.writeSetPoints(set_points, Clock::now()) && bus.read(Clock::now()));
     pass();
   }
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < kDrives; ++i) {
     EXPECT_NEAR(kRadius * line.shaftAngle(i), set_points[i], 1e-5);
     EXPECT_NEAR(bus.readings()[static_cast<std::size_t>(i)].measured, set_points[i], 1e-5);
-    EXPECT_EQ(bus.readings()[static_cast<std::size_t>(i)].fault, 0u);
+    EXPECT_EQ(bus.readings()[static_cast<std::size_t>(i)].fault, 0u) << bus.faultDetail(i);
     EXPECT_TRUE(line.energised(i));
   }
   std::this_thread::sleep_for(duration(2 * kWatchdog));
-  for (int i = 0; i < 3; ++i) EXPECT_FALSE(line.energised(i)) << "nobody has spoken to it";
+  for (int i = 0; i < kOdrives; ++i) EXPECT_FALSE(line.energised(i)) << "nobody has spoken to it";
+  ASSERT_TRUE(bus.read(Clock::now()));
+  for (int n = 0; n < 20; ++n) {
+    bus.writeSetPoints(set_points, Clock::now());
+    bus.read(Clock::now());
+    pass();
+  }
+  for (const ActuatorReading& r : bus.readings()) EXPECT_NE(r.fault, 0u);
   line.stop();
 }
 

@@ -31,7 +31,7 @@ class CanDeviceBus : public DeviceBus {
 
   int size() const override { return static_cast<int>(readings_.size()); }
   bool open(std::string& why) override;
-  void close() override { port_.reset(); }
+  void close() override;
   bool isOpen() const override { return port_ != nullptr; }
 
   void startSetUp(bool home_all) override;
@@ -75,9 +75,9 @@ class CanDeviceBus : public DeviceBus {
   };
 
   void startSending();
-  bool finishSending();
+  bool isLineThere() const;
   void drain(Time now);
-  bool show(const CanFrame& frame, Time now);
+  void show(const CanFrame& frame, Time now);
   bool isComplete() const;
   void sendSetPoints(Part& part, Time now);
   void sendSync();
@@ -91,10 +91,12 @@ class CanDeviceBus : public DeviceBus {
   Duration reply_timeout_;
   Sender sender_;
   bool line_gone_ = false;
+  bool asked_ = false;  // by set points that no read has followed yet
   std::vector<ActuatorReading> readings_;
   std::string problem_;
   BusCounters counters_;
   std::uint64_t received_ = 0, strangers_ = 0;
+  std::uint64_t damaged_ = 0;  // on ports that are closed by now
 };
 
 }  // namespace sinew

@@ -15,6 +15,9 @@ class CanPort {
   /// The next frame that others have sent; waits up to `timeout` for one.
   virtual StreamStatus receive(CanFrame& frame, Duration timeout) = 0;
 
+  /// What came damaged, was lost on its way to the caller, or was refused by the port's adapter, since it was opened.
+  virtual std::uint64_t damaged() const { return 0; }
+
   /// Now, by the clock that the timeouts of this port run on.
   virtual Time now() const { return Clock::now(); }
 };

@@ -34,6 +34,7 @@ class OdriveAxis : public CanDevice {
   bool complete() const override { return awaited_ == 0; }
   void endCycle(Time now) override;
 
+  /// Lowers the axis' current limit from the current that it had at the first call.
   void relax(const bool* which, double share, CanSender& out) override;
   void switchOff(const bool* which, CanSender& out) override;
 
@@ -60,7 +61,7 @@ class OdriveAxis : public CanDevice {
   bool isOver(double time, Time now) const;
   bool armed() const { return state_ == static_cast<std::uint8_t>(OdriveState::kClosedLoop); }
   bool idle() const { return state_ == static_cast<std::uint8_t>(OdriveState::kIdle); }
-  void sendLimits(double share, CanSender& out);
+  void sendLimits(double current, CanSender& out);
 
   bool isAwaited(OdriveCommand command) const;
   bool takeMessage(OdriveCommand command, const CanFrame& frame, Time now);
@@ -88,32 +89,37 @@ class OdriveAxis : public CanDevice {
   double zero_ = 0;  // turns at displacement 0
 
   // What the axis has said
-  std::uint8_t state_ = 0;
-  std::uint32_t error_ = 0;        // in the last heartbeat
-  std::uint32_t seen_errors_ = 0;  // since set-up began
+  std::uint8_t state_ = 0;         // in its last heartbeat, ...
+  std::uint32_t error_ = 0;        // ... which told this
   Time beat_at_{};                 // when that came
-  bool paused_ = true;             // whether it may have restarted unseen since its zero was named
+  double silence_ = 0;             // s without heartbeats that were due, since its zero was last known to be sure
+  std::uint32_t seen_errors_ = 0;  // since set-up began
   double turns_ = 0;
   Time turns_at_{};
   bool anchored_ = false;  // whether turns_ is of this set-up
 
   // This cycle
-  Frames awaited_ = 0;
-  bool fresh_ = false;
-  int auxiliary_ = 0;
-  bool on_ = false;
+  Frames awaited_ = 0;  // asked for, not yet here
+  bool fresh_ = false;  // a position has come
+  int auxiliary_ = 0;   // what is asked for beside the position
+
+  bool on_ = false;  // its loop is to be closed
+  bool relaxing_ = false;
+  double relaxed_from_ = 0;  // A, at share 1
 
   // Set-up
   Step step_ = Step::kFind;
-  Time started_{}, sent_{};
+  Time started_{}, sent_{};  // of this step; sent_: the last that may have to be repeated
   bool home_all_ = false;
-  bool found_ = false, spoken_ = false, located_ = false, answered_ = false;
-  bool proven_ = false;
-  int armed_writes_ = 0;
+  double known_turns_ = 0;  // where it was last, before this set-up
+  bool heard_ = false;      // a heartbeat has come since set-up began, ...
+  bool spoken_ = false;     // ... since the last message was sent
+  bool located_ = false, answered_ = false, version_known_ = false;
   OdriveVersion version_;
-  bool version_known_ = false;
-  OdriveSdo answer_{};
-  float goal_ = 0;
+  OdriveSdo answer_;
+  int armed_writes_ = 0;  // settings of the watchdog that have been read back
+  bool proven_ = false;   // its watchdog has been seen to act
+  float goal_ = 0;        // turns
 };
 
 }  // namespace sinew

@@ -10,8 +10,8 @@ namespace sinew {
 /// One ODrive axis as seen over CAN Simple, with the spool that its motor turns. Mechanics are quasi-static,
 ///   damping * omega = motor torque + load torque - friction of a limp shaft,
 /// with the motor torque bounded by the current limit, and all of it at the spool's shaft. Angles of the shaft are the
-/// spool's; the encoder counts turns of the motor from where it was switched on. What a message is told here is decoded
-/// by the simulation's own means.
+/// spool's; the encoder counts turns of the motor from where it was switched on. It shares no code with the
+/// driver's side.
 class SimulatedOdrive : public SimulatedCanNode {
  public:
   struct Parameters {
@@ -27,6 +27,7 @@ class SimulatedOdrive : public SimulatedCanNode {
     double undervoltage = 10.5;    ///< V below which the axis disarms
     double brown_out = 8;          ///< V below which the electronics stop
     double temperature_max = 100;  ///< degC above which the axis disarms
+    double boot_time = 0.8;        ///< s of silence after a restart
     double heartbeat = 0.1;        ///< s
     double cyclic = 0;             ///< s between messages of estimates and currents that are sent unasked; 0 for none
     // What save_configuration() has kept
@@ -51,7 +52,7 @@ class SimulatedOdrive : public SimulatedCanNode {
   void setFrozen(bool frozen) override { frozen_ = frozen; }
   void setTemperature(double temperature) override { temperature_ = temperature; }
   void setSupplyVoltage(double voltage) override;
-  void powerCycle() override { boot(); }
+  void powerCycle() override { restart(); }
   void setLeak(int i, double rate) override;
 
   void setShaftAngle(double angle);  ///< rad, turned by hand
@@ -67,6 +68,7 @@ class SimulatedOdrive : public SimulatedCanNode {
 
  private:
   void boot();
+  void restart();
   void disarm(std::uint32_t error);
   void obey(int command, const CanFrame& frame, std::vector<CanFrame>& out);
   void answer(int command, std::vector<CanFrame>& out);
@@ -77,11 +79,12 @@ class SimulatedOdrive : public SimulatedCanNode {
   double turnsOf(double angle) const;
   double angleOf(double turns) const;
   double current() const { return torque_ / parameters_.torque_constant; }
-  bool alive() const { return powered_ && !frozen_; }
+  bool alive() const { return powered_ && !frozen_ && !starting_; }
 
   int node_;
   Parameters parameters_;
-  bool powered_ = true, frozen_ = false;
+  bool powered_ = true, frozen_ = false, starting_ = false;
+  Time start_at_{};
   double voltage_, temperature_ = 30;
   double angle_ = 0, omega_ = 0, torque_ = 0, load_ = 0;
   double boot_angle_ = 0;

@@ -31,10 +31,8 @@ class SlcanPort : public CanPort {
   StreamStatus receive(CanFrame& frame, Duration timeout) override;
   Time now() const override { return line_ != nullptr ? line_->now() : Clock::now(); }
 
-  /// Frames that the adapter has refused to send.
-  std::uint64_t refused() const { return refused_; }
-  /// Lines of the adapter that meant nothing.
-  std::uint64_t damaged() const { return damaged_; }
+  /// Lines of the adapter that meant nothing, and commands that it has refused.
+  std::uint64_t damaged() const override { return damaged_; }
 
  private:
   enum class Answer { kOk, kError, kNone, kClosed };
@@ -47,7 +45,7 @@ class SlcanPort : public CanPort {
   SlcanDecoder decoder_;
   std::array<std::uint8_t, 512> buffer_{};
   std::size_t begin_ = 0, end_ = 0;  // of what has been read and not decoded
-  std::uint64_t refused_ = 0, damaged_ = 0;
+  std::uint64_t damaged_ = 0;
   std::string error_;
 };
 

@@ -33,6 +33,7 @@ class SocketCan : public CanPort {
 
   StreamStatus send(const CanFrame& frame, Duration timeout) override;
   StreamStatus receive(CanFrame& frame, Duration timeout) override;
+  std::uint64_t damaged() const override { return errors_.lost; }
 
  private:
   bool fail(const std::string& why);

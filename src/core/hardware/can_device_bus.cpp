@@ -46,7 +46,13 @@ bool CanDeviceBus::Sender::send(const CanFrame& frame) {
   return status == StreamStatus::kOk;
 }
 
+void CanDeviceBus::close() {
+  if (port_ != nullptr) damaged_ += port_->damaged();
+  port_.reset();
+}
+
 bool CanDeviceBus::open(std::string& why) {
+  close();
   port_ = open_port_(why);
   return port_ != nullptr;
 }
@@ -58,17 +64,15 @@ void CanDeviceBus::startSending() {
   if (port_ != nullptr) sender_.deadline = port_->now() + reply_timeout_;
 }
 
-// Whether the line is still there.
-bool CanDeviceBus::finishSending() {
+bool CanDeviceBus::isLineThere() const {
   return !sender_.closed && !line_gone_;
 }
 
-bool CanDeviceBus::show(const CanFrame& frame, Time now) {
+void CanDeviceBus::show(const CanFrame& frame, Time now) {
   ++received_;
   bool taken = false;
   for (Part& p : parts_) taken = p.device->take(frame, now) || taken;
   if (!taken) ++strangers_;
-  return taken;
 }
 
 // What has come since the last call belongs to no request under way.
@@ -114,7 +118,7 @@ SetUpProgress CanDeviceBus::updateSetUp(Time now) {
   }
   if (hold) sendSync();
   collect();
-  if (!finishSending()) {
+  if (!isLineThere()) {
     problem_ = "the CAN bus is gone";
     return SetUpProgress::kFailed;
   }
@@ -142,7 +146,8 @@ bool CanDeviceBus::writeSetPoints(const double* set_points, Time now) {
     sendSetPoints(p, now);
   }
   sendSync();
-  return finishSending();
+  asked_ = true;
+  return isLineThere();
 }
 
 bool CanDeviceBus::isComplete() const {
@@ -151,7 +156,8 @@ bool CanDeviceBus::isComplete() const {
 
 bool CanDeviceBus::read(Time now) {
   startSending();
-  drain(now);
+  if (!asked_) drain(now);  // after set points, what has come already may answer them
+  asked_ = false;
   for (Part& p : parts_) p.device->request(now, sender_);
   CanFrame frame;
   while (port_ != nullptr && !isComplete()) {
@@ -164,7 +170,7 @@ bool CanDeviceBus::read(Time now) {
   }
   for (Part& p : parts_) p.device->endCycle(now);
   collect();
-  return finishSending();
+  return isLineThere();
 }
 
 // The flags of one device's actuators; false when none is meant.
@@ -181,14 +187,14 @@ bool CanDeviceBus::relax(const std::vector<bool>& which, double share) {
   startSending();
   for (Part& p : parts_)
     if (select(p, which)) p.device->relax(p.which.get(), share, sender_);
-  return finishSending();
+  return isLineThere();
 }
 
 bool CanDeviceBus::switchOff(const std::vector<bool>& which) {
   startSending();
   for (Part& p : parts_)
     if (select(p, which)) p.device->switchOff(p.which.get(), sender_);
-  return finishSending();
+  return isLineThere();
 }
 
 void CanDeviceBus::setZero(int i, double displacement) {
@@ -205,6 +211,7 @@ std::string CanDeviceBus::faultDetail(int i) const {
 void CanDeviceBus::collect() {
   counters_ = {};
   counters_.stale = strangers_;
+  counters_.corrupted = damaged_ + (port_ != nullptr ? port_->damaged() : 0);
   for (const Part& p : parts_) {
     const BusCounters& c = p.device->counters();
     counters_.corrupted += c.corrupted;

@@ -17,7 +17,8 @@ constexpr double kBootTime = 5;         // s for an axis that says it is startin
 constexpr double kAnswerTime = 0.5;     // s for what was asked, with repetitions, or for a state to change
 constexpr double kRepeatTime = 0.05;    // s between repetitions, but no more than ...
 constexpr double kFeedShare = 0.4;      // ... this of what the watchdog lets pass
-constexpr double kHeartbeats = 5;       // so many missed ones are a pause
+constexpr double kHeartbeats = 4;       // so many missed ones are a pause
+constexpr double kBeatMargin = 1.2;     // by which heartbeats may come more slowly than they should
 constexpr double kSlack = 0.1;          // s by which an axis' watchdog may be late
 constexpr double kJumpTurns = 0.25;     // a position may differ so much from the last one, ...
 constexpr double kJumpMargin = 2;       // ... plus this times what the velocity limit allows
@@ -80,8 +81,9 @@ double OdriveAxis::toTurns(double displacement) const {
 
 void OdriveAxis::startSetUp(bool home_all) {
   home_all_ = home_all;
-  on_ = anchored_ = found_ = located_ = fresh_ = version_known_ = false;
+  on_ = relaxing_ = anchored_ = heard_ = located_ = fresh_ = version_known_ = false;
   spoken_ = false;
+  known_turns_ = turns_;
   awaited_ = 0;
   seen_errors_ = 0;
   armed_writes_ = 0;
@@ -119,7 +121,7 @@ bool OdriveAxis::isOver(double time, Time now) const {
 SetUpProgress OdriveAxis::updateSetUp(Time now, CanSender& out) {
   if (started_ == Time{}) {  // what has come until now may be old
     started_ = now;
-    found_ = false;
+    heard_ = false;
   }
   switch (step_) {
     case Step::kFind:
@@ -144,18 +146,17 @@ SetUpProgress OdriveAxis::find(Time now, CanSender& out) {
   const bool asks_version = settings_.firmware == OdriveFirmware::k06;
   if (asks_version && !version_known_ && isDue(now))
     out.send(makeOdriveRequest(settings_.node, OdriveCommand::kGetVersion));
-  const bool booting = found_ && asks_version && (error_ & kInitializing) != 0;
-  if (found_ && !booting && (version_known_ || !asks_version)) {
+  const bool booting = heard_ && asks_version && (error_ & kInitializing) != 0;
+  if (heard_ && !booting && (version_known_ || !asks_version)) {
     if (asks_version && (version_.major != 0 || version_.minor < 6))
       return fail("has firmware " + std::to_string(version_.major) + "." + std::to_string(version_.minor) +
                   ", expected 0.6 or newer; see the key firmware");
     const bool certain = proven_ || settings_.watchdog.given;
     if (!armed() || error_ != 0 || !certain) return enter(Step::kIdle, now);
-    paused_ = false;
     return enter(settings_.watchdog.given ? Step::kArm : Step::kLocate, now);
   }
   if (!isOver(booting ? kBootTime : kFindTime + kHeartbeats * settings_.heartbeat, now)) return SetUpProgress::kBusy;
-  if (!found_) return fail("is not heard: check its node number, the bit rate and the wiring");
+  if (!heard_) return fail("is not heard: check its node number, the bit rate and the wiring");
   if (booting) return fail("does not finish starting");
   return fail("does not tell its version: is its firmware older than 0.6? Then set firmware: \"0.5\"");
 }
@@ -216,9 +217,8 @@ SetUpProgress OdriveAxis::armWatchdog(Time now, CanSender& out) {
   return SetUpProgress::kBusy;
 }
 
-void OdriveAxis::sendLimits(double share, CanSender& out) {
-  out.send(makeOdriveLimits(settings_.node, static_cast<float>(velocity_limit_),
-                            static_cast<float>(share * current_limit_)));
+void OdriveAxis::sendLimits(double current, CanSender& out) {
+  out.send(makeOdriveLimits(settings_.node, static_cast<float>(velocity_limit_), static_cast<float>(current)));
 }
 
 // The position now becomes the goal before limits are raised and the loop is closed: nothing moves.
@@ -247,7 +247,7 @@ void OdriveAxis::configure(CanSender& out) {
     out.send(makeOdriveTrajVelLimit(settings_.node, static_cast<float>(velocity_limit_)));
     out.send(makeOdriveTrajAccelLimits(settings_.node, static_cast<float>(acceleration)));
   }
-  sendLimits(1, out);
+  sendLimits(current_limit_, out);
 }
 
 SetUpProgress OdriveAxis::enable(Time now, CanSender& out) {
@@ -273,9 +273,11 @@ SetUpProgress OdriveAxis::enable(Time now, CanSender& out) {
 
 void OdriveAxis::checkZero() {
   ActuatorReading& r = reading();
-  if (home_all_ || paused_) r.zero_valid = false;
+  const bool unmistakable = std::abs(known_turns_) > kUnmistakable && std::abs(turns_ - known_turns_) <= kJumpTurns;
+  const bool paused = silence_ > kHeartbeats * settings_.heartbeat;
+  if (home_all_ || (paused && !armed() && !unmistakable)) r.zero_valid = false;
   if (!r.zero_valid) zero_ = turns_;
-  paused_ = false;
+  silence_ = 0;
   r.measured = toDisplacement(turns_);
 }
 
@@ -364,9 +366,10 @@ void OdriveAxis::takePair(OdriveCommand command, const OdrivePair& pair, Time no
 }
 
 void OdriveAxis::takeHeartbeat(const OdriveHeartbeat& heartbeat, Time now) {
-  if (beat_at_ != Time{} && now - beat_at_ > duration(kHeartbeats * settings_.heartbeat)) paused_ = true;
+  if (beat_at_ != Time{})
+    silence_ = std::max(0., silence_ + seconds(now - beat_at_) - kBeatMargin * settings_.heartbeat);
   beat_at_ = now;
-  found_ = spoken_ = true;
+  heard_ = spoken_ = true;
   state_ = heartbeat.state;
   error_ = heartbeat.error;
   if (!on_) return;
@@ -383,13 +386,8 @@ void OdriveAxis::takeError(std::uint32_t error) {
 }
 
 void OdriveAxis::takePosition(double turns, Time now) {
-  const double moved = std::abs(turns - turns_);
-  if (!anchored_ && !armed()) {
-    if (moved > kJumpTurns) paused_ = true;
-    if (moved <= kJumpTurns && std::abs(turns_) > kUnmistakable) paused_ = false;
-  }
   const double allowed = kJumpTurns + kJumpMargin * velocity_limit_ * seconds(now - turns_at_);
-  if (anchored_ && on_ && moved > allowed) reading().fault |= kFaultJumped;
+  if (anchored_ && on_ && std::abs(turns - turns_) > allowed) reading().fault |= kFaultJumped;
   turns_ = turns;
   turns_at_ = now;
   anchored_ = located_ = fresh_ = true;
@@ -410,7 +408,9 @@ void OdriveAxis::endCycle(Time now) {
 
 void OdriveAxis::relax(const bool* which, double share, CanSender& out) {
   if (!which[0]) return;
-  sendLimits(std::min(std::max(share, 0.), 1.), out);
+  if (!relaxing_) relaxed_from_ = std::min(std::abs(reading().current), current_limit_);
+  relaxing_ = true;
+  sendLimits(std::min(std::max(share, 0.), 1.) * relaxed_from_, out);
 }
 
 void OdriveAxis::switchOff(const bool* which, CanSender& out) {

@@ -71,6 +71,12 @@ void SimulatedOdrive::boot() {
   fed_at_ = beat_at_ = cyclic_at_ = {};
 }
 
+void SimulatedOdrive::restart() {
+  boot();
+  starting_ = true;
+  start_at_ = {};
+}
+
 double SimulatedOdrive::turnsOf(double angle) const {
   return (angle - boot_angle_) * parameters_.gear_ratio / kTwoPi;
 }
@@ -183,6 +189,8 @@ void SimulatedOdrive::answer(int command, std::vector<CanFrame>& out) {
 }
 
 void SimulatedOdrive::update(Time now, std::vector<CanFrame>& out) {
+  if (starting_ && start_at_ == Time{}) start_at_ = now;
+  if (starting_ && now - start_at_ >= duration(parameters_.boot_time)) starting_ = false;
   if (!alive()) return;
   const auto isDue = [now](Time& last, double period) {
     if (period <= 0 || now - last < duration(period)) return false;
@@ -202,7 +210,7 @@ void SimulatedOdrive::update(Time now, std::vector<CanFrame>& out) {
 void SimulatedOdrive::setSupplyVoltage(double voltage) {
   voltage_ = voltage;
   const bool powered = voltage >= parameters_.brown_out;
-  if (powered && !powered_) boot();
+  if (powered && !powered_) restart();
   if (!powered) state_ = kIdle;
   powered_ = powered;
 }

@@ -32,6 +32,7 @@ bool SlcanPort::open(std::shared_ptr<ByteStream> line, int bitrate, Duration tim
   line_ = std::move(line);
   decoder_ = {};
   begin_ = end_ = 0;
+  damaged_ = 0;
   error_.clear();
   // A first return ends whatever an earlier user left unfinished. A channel that is closed already may refuse.
   Answer answer = Answer::kNone;
@@ -103,8 +104,7 @@ StreamStatus SlcanPort::receive(CanFrame& frame, Duration timeout) {
     const StreamStatus status = nextEvent(event, deadline);
     if (status == StreamStatus::kClosed) return gone();
     if (status == StreamStatus::kTimeout) return status;
-    if (event == SlcanEvent::kError) ++refused_;
-    if (event == SlcanEvent::kDamaged) ++damaged_;
+    if (event == SlcanEvent::kError || event == SlcanEvent::kDamaged) ++damaged_;
     if (event != SlcanEvent::kFrame) continue;
     frame = decoder_.frame();
     return StreamStatus::kOk;

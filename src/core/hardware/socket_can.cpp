@@ -19,6 +19,7 @@ namespace sinew {
 namespace {
 
 constexpr can_err_mask_t kErrorsOfInterest = CAN_ERR_BUSOFF | CAN_ERR_CRTL | CAN_ERR_ACK | CAN_ERR_TX_TIMEOUT;
+constexpr int kReceiveBuffer = 1 << 20;                  // bytes asked for; the kernel grants what it allows
 constexpr auto kRetry = std::chrono::microseconds(100);  // until the queue of an interface may have room again
 
 ifreq makeRequest(const std::string& interface) {
@@ -94,6 +95,7 @@ bool SocketCan::open(const std::string& interface) {
   if (ioctl(fd_, SIOCGIFFLAGS, &request) != 0 || (request.ifr_flags & IFF_UP) == 0)
     return fail(interface + " is down; as root: " + calcUpHint(interface));
   setsockopt(fd_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &kErrorsOfInterest, sizeof kErrorsOfInterest);
+  setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
   sockaddr_can address{};
   address.can_family = AF_CAN;
   address.can_ifindex = index;
