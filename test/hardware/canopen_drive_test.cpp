@@ -77,6 +77,44 @@ TEST_F(CanopenDriveTest, RecoveryUnderLoadMovesNothing) {
   EXPECT_NEAR(rig->reading().measured, 0.02, 3 * kCount);
 }
 
+// Somebody else has switched it on in profile position mode, with a target that means nothing there.
+TEST_F(CanopenDriveTest, SetUpOfADriveThatIsOnInAnotherModeMovesNothing) {
+  const auto control = [&](std::uint8_t word) {
+    CanFrame frame;
+    frame.id = 0x605;
+    frame.size = 8;
+    frame.data = {0x2B, 0x40, 0x60, 0x00, word};
+    rig->bench.send(frame);
+  };
+  rig->node.setObject(0x6065, 0, 0xFFFFFFFF);
+  rig->node.setObject(0x607A, 0, 20000);
+  for (const int word : {0x06, 0x07, 0x0F}) control(static_cast<std::uint8_t>(word));
+  ASSERT_TRUE(rig->node.energised(0));
+  rig->bench.pass(0.1);
+  setUpWell();
+  rig->cycles(20, rig->reading().measured);
+  EXPECT_NEAR(rig->node.shaftAngle(0), 0, 1e-9);
+}
+
+// A limp shaft that a load drags along: it is caught where it is by then, give or take three cycles of questions.
+TEST_F(CanopenDriveTest, CatchesAShaftThatDrifts) {
+  constexpr double kDrift = 0.5;  // rad/s: 0.005 N m beyond the gear's friction
+  rig->node.setLoadTorque(0, -0.025);
+  rig->drive.startSetUp(false);
+  SetUpProgress progress = SetUpProgress::kBusy;
+  double farthest = 0;
+  while (progress == SetUpProgress::kBusy) {
+    rig->bench.deliver();
+    progress = rig->drive.updateSetUp(rig->bench.now(), rig->bench);
+    rig->bench.pass(kPeriod);
+    farthest = std::min(farthest, rig->node.shaftAngle(0));
+  }
+  ASSERT_EQ(progress, SetUpProgress::kDone) << rig->drive.problem();
+  rig->cycles(20, rig->reading().measured);
+  EXPECT_LT(farthest, -0.1);
+  EXPECT_LT(rig->node.shaftAngle(0) - farthest, 3.5 * kDrift * kPeriod);
+}
+
 TEST_F(CanopenDriveTest, SetUpSurvivesABadLine) {
   LineFaults faults;
   faults.drop = faults.delay = faults.duplicate = faults.corrupt = 0.05;
