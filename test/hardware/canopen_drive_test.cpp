@@ -10,6 +10,9 @@
 
 #include "hardware/canopen_rig.h"
 #include "sinew/common/config_error.h"
+#include "sinew/hardware/can_device_bus.h"
+#include "sinew/hardware/simulated_can_bus.h"
+#include "sinew/hardware/simulated_can_port.h"
 #include "sinew/hardware/simulated_cia402_drive.h"
 #include "solver/allocation_count.h"
 
@@ -72,6 +75,44 @@ TEST_F(CanopenDriveTest, RecoveryUnderLoadMovesNothing) {
   EXPECT_NEAR(rig->node.shaftAngle(0), before, 2 / Rig::kCountsPerRadian);
   EXPECT_TRUE(rig->reading().zero_valid);
   EXPECT_NEAR(rig->reading().measured, 0.02, 3 * kCount);
+}
+
+// Somebody else has switched it on in profile position mode, with a target that means nothing there.
+TEST_F(CanopenDriveTest, SetUpOfADriveThatIsOnInAnotherModeMovesNothing) {
+  const auto control = [&](std::uint8_t word) {
+    CanFrame frame;
+    frame.id = 0x605;
+    frame.size = 8;
+    frame.data = {0x2B, 0x40, 0x60, 0x00, word};
+    rig->bench.send(frame);
+  };
+  rig->node.setObject(0x6065, 0, 0xFFFFFFFF);
+  rig->node.setObject(0x607A, 0, 20000);
+  for (const int word : {0x06, 0x07, 0x0F}) control(static_cast<std::uint8_t>(word));
+  ASSERT_TRUE(rig->node.energised(0));
+  rig->bench.pass(0.1);
+  setUpWell();
+  rig->cycles(20, rig->reading().measured);
+  EXPECT_NEAR(rig->node.shaftAngle(0), 0, 1e-9);
+}
+
+// A limp shaft that a load drags along: it is caught where it is by then, give or take three cycles of questions.
+TEST_F(CanopenDriveTest, CatchesAShaftThatDrifts) {
+  constexpr double kDrift = 0.5;  // rad/s: 0.005 N m beyond the gear's friction
+  rig->node.setLoadTorque(0, -0.025);
+  rig->drive.startSetUp(false);
+  SetUpProgress progress = SetUpProgress::kBusy;
+  double farthest = 0;
+  while (progress == SetUpProgress::kBusy) {
+    rig->bench.deliver();
+    progress = rig->drive.updateSetUp(rig->bench.now(), rig->bench);
+    rig->bench.pass(kPeriod);
+    farthest = std::min(farthest, rig->node.shaftAngle(0));
+  }
+  ASSERT_EQ(progress, SetUpProgress::kDone) << rig->drive.problem();
+  rig->cycles(20, rig->reading().measured);
+  EXPECT_LT(farthest, -0.1);
+  EXPECT_LT(rig->node.shaftAngle(0) - farthest, 3.5 * kDrift * kPeriod);
 }
 
 TEST_F(CanopenDriveTest, SetUpSurvivesABadLine) {
@@ -579,6 +620,50 @@ TEST(CanopenDrives, ShareABus) {
     EXPECT_NEAR(drives[d]->readings()[0].measured, set_points[d], 2 * kCount) << d;
     EXPECT_EQ(drives[d]->counters().corrupted, 0u);
   }
+}
+
+// The same through the bus that the driver uses, with frames that take their time and wait for each other.
+TEST(CanopenDrives, OnABusThatTakesItsTime) {
+  constexpr int kDrives = 3;
+  std::vector<SimulatedCanBus::Member> simulated;
+  std::vector<CanDeviceBus::Member> members;
+  for (int i = 0; i < kDrives; ++i) {
+    const auto node = static_cast<std::uint8_t>(10 + i);
+    simulated.push_back({std::make_unique<SimulatedCia402Drive>(node, SimulatedCia402Drive::Parameters{}), {i}});
+    members.push_back({std::make_unique<CanopenDrive>(Rig::makeSettings(node), Rig::makeCable(), Rig::makeBounds(),
+                                                      Rig::makeTiming()),
+                       {i}});
+  }
+  SimulatedCanBus line(std::move(simulated), 500000);
+  const auto port = std::make_shared<SimulatedCanPort>(line);
+  CanDeviceBus bus([&](std::string&) { return port; }, std::move(members), Rig::makeTiming());
+  std::string why;
+  ASSERT_TRUE(bus.open(why));
+  Time next = port->now();
+  const auto pass = [&] {
+    line.step(kPeriod);
+    next += duration(kPeriod);
+    port->advanceTo(next);
+  };
+  bus.startSetUp(false);
+  SetUpProgress progress = SetUpProgress::kBusy;
+  for (int i = 0; i < 500 && progress == SetUpProgress::kBusy; ++i, pass()) progress = bus.updateSetUp(port->now());
+  ASSERT_EQ(progress, SetUpProgress::kDone) << bus.problem();
+  for (int i = 0; i < kDrives; ++i) EXPECT_EQ(line.shaftAngle(i), 0);
+  const double set_points[kDrives] = {0.01, -0.01, 0.02};
+  for (int n = 0; n < 100; ++n, pass()) {
+    ASSERT_TRUE(bus.writeSetPoints(set_points, port->now()) && bus.read(port->now()));
+    for (int i = 0; i < kDrives; ++i) ASSERT_TRUE(bus.readings()[static_cast<std::size_t>(i)].valid) << n;
+  }
+  for (int i = 0; i < kDrives; ++i) {
+    EXPECT_NEAR(line.shaftAngle(i), set_points[i] / kRadius, 2 / Rig::kCountsPerRadian);
+    EXPECT_EQ(bus.readings()[static_cast<std::size_t>(i)].fault, 0u);
+  }
+  for (int n = 0; n < 50; ++n) pass();  // the driver is gone
+  line.setFrozen(1, true);
+  for (int n = 0; n < 10; ++n, pass()) bus.writeSetPoints(set_points, port->now()), bus.read(port->now());
+  EXPECT_NE(bus.readings()[0].fault & kFaultWatchdog, 0u);
+  EXPECT_NE(bus.readings()[1].fault & kFaultSilent, 0u);
 }
 
 }  // namespace

@@ -54,6 +54,7 @@ class CanopenDrive : public CanDevice {
   void sendControl(std::uint16_t controlword, std::int32_t target, CanSender& out);
   void raise(std::uint32_t fault);
   void loseZero();
+  bool takeSdo(const CanFrame& frame);
   void takeHeartbeat(canopen::NmtState state);
   void takeEmergency(const canopen::Emergency& emergency);
   void takePosition(const CanFrame& frame, Time now);

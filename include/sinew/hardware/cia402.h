@@ -59,7 +59,6 @@ constexpr std::uint16_t kFaultReset = 0x0080;  ///< acts when its bit rises
 constexpr std::uint16_t kTargetReached = 1u << 10;
 constexpr std::uint16_t kInternalLimit = 1u << 11;
 constexpr std::uint16_t kHomingAttained = 1u << 12;  ///< in homing
-constexpr std::uint16_t kFollowsTarget = 1u << 12;   ///< in cyclic position
 constexpr std::uint16_t kHomingError = 1u << 13;     ///< in homing
 constexpr std::uint16_t kFollowingError = 1u << 13;  ///< in cyclic position
 

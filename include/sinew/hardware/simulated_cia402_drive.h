@@ -105,6 +105,7 @@ class SimulatedCia402Drive : public SimulatedCanNode {
   void takeSync(std::vector<CanFrame>& out);
   void takePdo(const CanFrame& frame);
   void applyPdo(std::size_t n);
+  std::uint8_t mappedCount(std::uint16_t mapping) const;
   std::size_t mappedBytes(std::uint16_t mapping) const;
   bool pdoValid(std::uint16_t parameters) const;
   CanFrame makeTpdo(std::size_t n);

@@ -185,7 +185,7 @@ void CanopenDrive::switchOff(const bool* which, CanSender& out) {
 
 bool CanopenDrive::take(const CanFrame& frame, Time now) {
   if (frame.extended || frame.remote) return false;
-  if (sdo_.take(frame)) return true;
+  if (takeSdo(frame)) return true;
   if (frame.id == canopen::kHeartbeatId + settings_.node) {
     canopen::NmtState state{};
     if (canopen::readHeartbeat(frame, settings_.node, state))
@@ -206,6 +206,14 @@ bool CanopenDrive::take(const CanFrame& frame, Time now) {
     return false;
   }
   return true;
+}
+
+bool CanopenDrive::takeSdo(const CanFrame& frame) {
+  const std::uint64_t malformed = sdo_.malformed(), stale = sdo_.stale();
+  const bool taken = sdo_.take(frame);
+  counters_.corrupted += sdo_.malformed() - malformed;
+  counters_.stale += sdo_.stale() - stale;
+  return taken;
 }
 
 bool CanopenDrive::isAnswer(const CanFrame& frame, std::size_t size) {

@@ -98,20 +98,19 @@ bool CanopenSdo::take(const CanFrame& frame) {
     ++malformed_;
     return true;
   }
-  const bool doubled = has_last_segment_ && frame.data == last_segment_;
-  if (status_ != Status::kBusy || due_ || !fits(reply)) {
+  const bool segment = phase_ != first_phase_;
+  const bool doubled = has_last_segment_ && reply.toggle != toggle_ && frame.data == last_segment_;
+  if (status_ != Status::kBusy || due_ || !fits(reply) || (segment && doubled)) {
     ++stale_;
   } else if (reply.kind == SdoReply::Kind::kAbort) {
     status_ = Status::kAborted;
     abort_code_ = reply.abort_code;
-  } else if (phase_ == first_phase_ || reply.toggle == toggle_) {
-    last_segment_ = frame.data;
-    has_last_segment_ = phase_ != first_phase_;
-    advance(reply);
-  } else if (doubled) {
-    ++stale_;
-  } else {
+  } else if (segment && reply.toggle != toggle_) {
     abort(canopen::kAbortToggle);
+  } else {
+    last_segment_ = frame.data;
+    has_last_segment_ = segment;
+    advance(reply);
   }
   return true;
 }

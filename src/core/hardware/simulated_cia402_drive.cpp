@@ -181,7 +181,7 @@ std::uint32_t SimulatedCia402Drive::checkMapping(std::uint16_t index, std::uint8
   if (pdoValid(static_cast<std::uint16_t>(index - 0x200)) || nmt_ == Nmt::kOperational) return kWrongState;
   if (subindex == 0) {
     std::int64_t bits = 0;
-    for (std::uint8_t i = 1; i <= value; ++i) {
+    for (std::uint8_t i = 1; i <= static_cast<std::uint8_t>(value); ++i) {
       const std::int64_t entry = dictionary_.get(index, i);
       if (entry == 0) return kNotMappable;
       bits += entry & 0xFF;
@@ -293,9 +293,13 @@ bool SimulatedCia402Drive::pdoValid(std::uint16_t parameters) const {
   return (dictionary_.get(parameters, 1) & kPdoOff) == 0;
 }
 
+std::uint8_t SimulatedCia402Drive::mappedCount(std::uint16_t mapping) const {
+  return static_cast<std::uint8_t>(dictionary_.get(mapping, 0));
+}
+
 std::size_t SimulatedCia402Drive::mappedBytes(std::uint16_t mapping) const {
   std::size_t bits = 0;
-  for (std::uint8_t i = 1; i <= dictionary_.get(mapping, 0); ++i)
+  for (std::uint8_t i = 1; i <= mappedCount(mapping); ++i)
     bits += static_cast<std::size_t>(dictionary_.get(mapping, i) & 0xFF);
   return bits / 8;
 }
@@ -319,7 +323,7 @@ void SimulatedCia402Drive::applyPdo(std::size_t n) {
   received.pending = false;
   const std::uint16_t mapping = offset(kRpdoMapping, n);
   std::size_t at = 0;
-  for (std::uint8_t i = 1; i <= dictionary_.get(mapping, 0); ++i) {
+  for (std::uint8_t i = 1; i <= mappedCount(mapping); ++i) {
     const std::int64_t entry = dictionary_.get(mapping, i);
     const auto index = static_cast<std::uint16_t>(entry >> 16);
     const auto subindex = static_cast<std::uint8_t>(entry >> 8);
@@ -347,7 +351,7 @@ CanFrame SimulatedCia402Drive::makeTpdo(std::size_t n) {
   const std::uint16_t mapping = offset(kTpdoMapping, n);
   CanFrame frame;
   frame.id = static_cast<std::uint32_t>(dictionary_.get(offset(kTpdoParameters, n), 1) & 0x7FF);
-  for (std::uint8_t i = 1; i <= dictionary_.get(mapping, 0); ++i) {
+  for (std::uint8_t i = 1; i <= mappedCount(mapping); ++i) {
     const std::int64_t entry = dictionary_.get(mapping, i);
     const auto size = static_cast<std::size_t>(entry & 0xFF) / 8;
     store(dictionary_.get(static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8)), frame.size,
