@@ -7,7 +7,7 @@
 // --- Wiring ---
 
 const uint8_t kAddress = 1;
-const uint32_t kBaud = 115200;
+const uint32_t kBaud = 500000;  // exact with a clock of 16 MHz, unlike 115200
 const uint8_t kChannels = 2;
 const uint8_t kSensorPins[kChannels] = {A0, A1};
 const uint8_t kFillPins[kChannels] = {5, 6};      // MOSFET of the valve from the tank; these pins can do PWM

@@ -62,7 +62,7 @@ struct SimulatedPressureBoard::Electronics {
 sinew_hardware SimulatedPressureBoard::Electronics::makeHardware() {
   sinew_hardware h{};
   h.context = this;
-  h.millis = [](void* context) { return static_cast<std::uint32_t>(of(context).time * 1e3 + 0.5); };
+  h.millis = [](void* context) { return static_cast<std::uint32_t>(std::llround(of(context).time * 1e3)); };
   h.pressure = [](void* context, std::uint8_t channel) {
     const Channel& c = of(context).channels[channel];
     return c.sensor_broken ? kBrokenSensor : static_cast<std::int32_t>(std::lround(c.chamber.pressure()));
