@@ -148,6 +148,21 @@ TEST(SerialPressureBus, ASilentMasterIsVentedForWithinTheTimeout) {
   EXPECT_LT(b.boards.pressure(0), 10) << "latched";
 }
 
+TEST(SerialPressureBus, WhatWasSealedInSilenceIsTakenOverWithoutMoving) {
+  std::vector<PressureActuator> actuators = makePressureActuators(4);
+  for (PressureActuator& a : actuators) a.settings.on_silence = PressureMode::kSeal;
+  PressureBench b(actuators);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone);
+  b.moveTo(40000, 150);
+  b.pass(3);
+  b.cycle();
+  EXPECT_NE(b.fault(0) & kFaultWatchdog, 0u);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone) << b.bus.problem();
+  b.cycles(100);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(b.boards.pressure(i), 40000, 2 * kHysteresis) << i;
+  EXPECT_EQ(b.fault(0), 0u);
+}
+
 TEST(SerialPressureBus, ReplayedFramesNeitherMoveNorFeedABoard) {
   PressureBench b(2);
   ASSERT_EQ(b.setUp(), SetUpProgress::kDone);
