@@ -93,8 +93,8 @@ sinew_board_settings SimulatedPressureBoard::Electronics::makeSettings() const {
   s.supply_min = static_cast<std::uint16_t>(1e3 * (1 - kSupplyTolerance) * parameters.nominal_voltage);
   s.supply_max = static_cast<std::uint16_t>(1e3 * (1 + kSupplyTolerance) * parameters.nominal_voltage);
   s.temperature_max = 700;
-  s.source_low = 220000;
-  s.source_high = 260000;
+  s.source_low = static_cast<std::int32_t>(0.9 * parameters.tank_pressure);
+  s.source_high = static_cast<std::int32_t>(1.05 * parameters.tank_pressure);
   s.source_time = 5000;
   return s;
 }
