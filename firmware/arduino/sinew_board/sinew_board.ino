@@ -30,7 +30,7 @@ int32_t readPressure(void*, uint8_t channel) {
 }
 
 int32_t millivolts(uint8_t pin) {
-  return analogRead(pin) * 5000L / 1023;
+  return (int32_t)analogRead(pin) * 5000 / 1023;
 }
 
 uint16_t readSupply(void*) {
