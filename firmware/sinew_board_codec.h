@@ -12,10 +12,21 @@ extern "C" {
 #endif
 
 #define SINEW_PROTOCOL_VERSION 1u
+/* Sizes of this build. The protocol knows up to 16 channels and 254 bytes; what does not fit is ignored. */
 #ifndef SINEW_MAX_CHANNELS
-#define SINEW_MAX_CHANNELS 8u /* of this build; the protocol knows up to 16 */
+#ifdef __AVR_ATmega328P__ /* 2 kB of RAM */
+#define SINEW_MAX_CHANNELS 4u
+#else
+#define SINEW_MAX_CHANNELS 8u
 #endif
-#define SINEW_MAX_PACKET 254u                   /* address to CRC */
+#endif
+#ifndef SINEW_MAX_PACKET /* address to CRC */
+#ifdef __AVR_ATmega328P__
+#define SINEW_MAX_PACKET 96u
+#else
+#define SINEW_MAX_PACKET 254u
+#endif
+#endif
 #define SINEW_MAX_FRAME (SINEW_MAX_PACKET + 2u) /* stuffed, with its delimiter */
 #define SINEW_NO_AGE 0xFFFFu
 

@@ -137,9 +137,34 @@ TEST(SinewBoard, SilenceSealsWhereThatIsConfigured) {
   EXPECT_NEAR(b.chambers[1].pressure, 50000, 450);
   EXPECT_EQ(b.command({SINEW_VENT, 0, 0, 0}), SINEW_ACCEPTED);
   EXPECT_EQ(b.mode(1), SINEW_VENT) << "a sealed channel may always be vented";
+}
+
+TEST(SinewBoard, EmergencyStopVentsWhatIsSealed) {
+  BoardBench b;
+  sinew_configuration c = BoardBench::makeConfiguration();
+  c.channels[1].on_timeout = SINEW_SEAL;
+  ASSERT_EQ(sinew_board_configure(&b.board, &c), SINEW_ACCEPTED);
+  b.hold(BoardBench::regulate(50000), 1000);
+  b.pass(200);
+  ASSERT_EQ(b.mode(1), SINEW_SEAL);
   b.stop = true;
   b.pass(1);
   EXPECT_EQ(b.mode(1), SINEW_VENT);
+  EXPECT_EQ(b.chambers[1].path, SINEW_PATH_EXHAUST);
+}
+
+TEST(SinewBoard, ASealedChannelLetsNothingAboveItsMaximum) {
+  ArmedBench b;
+  b.hold(BoardBench::regulate(95000), 1000);
+  b.command({SINEW_SEAL, 0, 0, 1});
+  b.pass(1);
+  EXPECT_EQ(b.chambers[0].path, SINEW_PATH_CLOSED);
+  b.chambers[0].pressure = 105000;  // pressed from outside
+  b.pass(1);
+  EXPECT_EQ(b.chambers[0].path, SINEW_PATH_EXHAUST);
+  b.pass(60);
+  EXPECT_EQ(b.chambers[0].path, SINEW_PATH_CLOSED);
+  EXPECT_EQ(b.faults(0), 0);
 }
 
 TEST(SinewBoard, AVentedChannelNeedsNoSetPoints) {

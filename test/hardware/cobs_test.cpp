@@ -28,8 +28,9 @@ Bytes join(Bytes a, const Bytes& b) {
   return a;
 }
 
-// Cheshire and Baker 1999, section III: a code byte n below 0xFF stands for n - 1 bytes and a zero, 0xFF for 254 bytes
-// without one; the zero that the packet's end would add is left out.
+// "Consistent Overhead Byte Stuffing", IEEE/ACM Transactions on Networking 7(2), 1999, section III: a code byte n below
+// 0xFF stands for n - 1 bytes and a zero, 0xFF for 254 bytes without one; the zero that the packet's end would add is
+// left out.
 TEST(Cobs, BlocksAsThePaperDefinesThem) {
   EXPECT_EQ(encode({}), (Bytes{1}));
   EXPECT_EQ(encode({0}), (Bytes{1, 1}));

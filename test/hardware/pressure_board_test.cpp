@@ -74,6 +74,7 @@ TEST(PressureBoard, RefusesSettingsThatContradictEachOther) {
     }
     return std::string();
   };
+  EXPECT_NE(refuses(makePressureTiming(), {}).find("none"), std::string::npos);
   std::vector<PressureActuator> actuators = makePressureActuators(2);
   EXPECT_EQ(refuses(makePressureTiming(), actuators), "");
   actuators[1].settings.channel = 0;

@@ -115,6 +115,21 @@ TEST(SerialPressureBus, OtherLimitsUnderPressureAreRefusedInWords) {
   EXPECT_NE(other.problem().find("holds pressure"), std::string::npos) << other.problem();
 }
 
+TEST(SerialPressureBus, ALineThatIsTooSlowForItsBoardsIsToldBeforeAnythingMoves) {
+  const std::vector<PressureActuator> actuators = makePressureActuators(2);
+  PressureBench b(actuators);
+  SerialPressureBus slow([&b](std::string&) { return b.line; }, 57600, makePressureTiming(), actuators);
+  std::string why;
+  ASSERT_TRUE(slow.open(why));
+  slow.startSetUp(true);
+  SetUpProgress progress = SetUpProgress::kBusy;
+  for (int n = 0; n < 100 && progress == SetUpProgress::kBusy; ++n) progress = slow.updateSetUp(b.line->now());
+  EXPECT_EQ(progress, SetUpProgress::kFailed);
+  // 61 bytes of set points and 47 of state at 5760 bytes a second.
+  EXPECT_NE(slow.problem().find("18.8 ms"), std::string::npos) << slow.problem();
+  EXPECT_FALSE(b.boards.energised(0));
+}
+
 TEST(SerialPressureBus, ASilentMasterIsVentedForWithinTheTimeout) {
   PressureBench b(2);
   ASSERT_EQ(b.setUp(), SetUpProgress::kDone);
@@ -131,6 +146,53 @@ TEST(SerialPressureBus, ASilentMasterIsVentedForWithinTheTimeout) {
   EXPECT_NE(b.fault(0) & kFaultWatchdog, 0u);
   b.cycles(200);
   EXPECT_LT(b.boards.pressure(0), 10) << "latched";
+}
+
+TEST(SerialPressureBus, WhatWasSealedInSilenceIsTakenOverWithoutMoving) {
+  std::vector<PressureActuator> actuators = makePressureActuators(4);
+  for (PressureActuator& a : actuators) a.settings.on_silence = PressureMode::kSeal;
+  PressureBench b(actuators);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone);
+  b.moveTo(40000, 150);
+  b.pass(3);
+  b.cycle();
+  EXPECT_NE(b.fault(0) & kFaultWatchdog, 0u);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone) << b.bus.problem();
+  b.cycles(100);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(b.boards.pressure(i), 40000, 2 * kHysteresis) << i;
+  EXPECT_EQ(b.fault(0), 0u);
+}
+
+TEST(SerialPressureBus, ReplayedFramesNeitherMoveNorFeedABoard) {
+  PressureBench b(2);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone);
+  b.moveTo(60000, 150);
+  const std::vector<std::uint8_t> old = b.line->lastWritten();
+  b.moveTo(20000, 300);
+  const auto replay = [&b, &old](int ms) {
+    for (int n = 0; n < ms; ++n) {
+      b.boards.receive(old.data(), old.size(), b.line->now());
+      b.pass(1e-3);
+      EXPECT_LT(b.boards.pressure(0), 20000 + kHysteresis);
+    }
+  };
+  replay(150);
+  EXPECT_TRUE(b.boards.energised(0));
+  replay(100);
+  EXPECT_FALSE(b.boards.energised(0)) << "its master has been silent for too long";
+  b.cycle();
+  EXPECT_GT(b.bus.counters().stale, 100u) << "what it answered to the replays";
+}
+
+TEST(SerialPressureBus, SequencesWrapUnnoticed) {
+  PressureBench b(1);
+  ASSERT_EQ(b.setUp(), SetUpProgress::kDone);
+  for (int n = 0; n < 70000; ++n) {
+    b.bus.writeSetPoints(b.set_points.data(), b.line->now());
+    b.bus.read(b.line->now());
+  }
+  EXPECT_EQ(b.fault(0), 0u) << b.bus.faultDetail(0);
+  EXPECT_EQ(b.bus.counters().device_error, 0u);
 }
 
 TEST(SerialPressureBus, OnlyReadingFeedsNothing) {

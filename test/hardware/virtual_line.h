@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "sinew/hardware/byte_stream.h"
 
 namespace sinew {
@@ -21,6 +23,7 @@ class VirtualLine : public ByteStream {
 
   StreamResult write(const std::uint8_t* data, std::size_t size, Duration) override {
     if (!plugged_) return {StreamStatus::kClosed, 0};
+    last_written_.assign(data, data + size);
     bus_.receive(data, size, now_);
     return {StreamStatus::kOk, size};
   }
@@ -34,11 +37,13 @@ class VirtualLine : public ByteStream {
     now_ = t;
   }
   void setPlugged(bool plugged) { plugged_ = plugged; }
+  const std::vector<std::uint8_t>& lastWritten() const { return last_written_; }
 
  private:
   Bus& bus_;
   Time now_{std::chrono::seconds(1)};
   bool plugged_ = true;
+  std::vector<std::uint8_t> last_written_;
 };
 
 }  // namespace sinew

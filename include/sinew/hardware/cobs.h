@@ -6,8 +6,8 @@
 
 namespace sinew {
 
-// Consistent overhead byte stuffing (Cheshire and Baker, "Consistent Overhead Byte Stuffing", IEEE/ACM Transactions on
-// Networking 7(2), 1999): data without zeros, so that a zero can end a frame.
+// Consistent overhead byte stuffing ("Consistent Overhead Byte Stuffing", IEEE/ACM Transactions on Networking 7(2),
+// 1999): data without zeros, so that a zero can end a frame.
 
 /// Appends `data` without its zeros, and without an ending zero, to `out`: at most size + size / 254 + 1 bytes.
 void appendCobs(const std::uint8_t* data, std::size_t size, std::vector<std::uint8_t>& out);

@@ -54,21 +54,23 @@ class SerialPressureBus : public DeviceBus {
 
   const bool* flagsOf(std::size_t board, const std::vector<bool>& which);
   bool flush();
-  bool exchange(std::vector<bool>& asked);
+  bool exchange(const std::vector<bool>& asked);
   bool ask(std::size_t board);
-  bool receive(Time deadline, bool all);
+  bool receive(std::size_t first, std::size_t last, Time deadline);
   bool isWaiting(std::size_t board) const { return pending_[board] && !boards_[board].answered(); }
-  bool anyWaiting() const;
+  bool anyWaiting(std::size_t first, std::size_t last) const;
   void takeBytes(const std::uint8_t* data, std::size_t size);
   void takeFrame();
   void settle();
   bool sendSetPoints();
   void collect();
   Duration lineTime(std::size_t bytes) const;
+  Duration exchangeTime(const PressureBoard& board, PressureType request) const;
+  bool checkCycleTime();
 
   LineFactory open_line_;
   int baud_;
-  Duration reply_timeout_;
+  Duration period_, reply_timeout_;
   std::vector<PressureBoard> boards_;
   std::vector<Place> places_;  // of the bus's actuators
   std::shared_ptr<ByteStream> line_;

@@ -19,7 +19,7 @@ class SimulatedPressureBoard {
     double range_max = 200000;      ///< Pa gauge
     double vacuum = -70000;         ///< Pa gauge of the vacuum source
     double tank_volume = 2e-3;      ///< m3
-    double tank_pressure = 250000;  ///< Pa gauge at the start
+    double tank_pressure = 250000;  ///< Pa gauge at the start; the pump keeps 0.9 to 1.05 of it
     double pump_flow = 100;         ///< Pa m3/s
     double pump_pressure = 300000;  ///< Pa gauge beyond which the pump gives no more
     double nominal_voltage = 12;    ///< V

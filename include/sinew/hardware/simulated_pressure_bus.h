@@ -22,7 +22,7 @@ class SimulatedPressureBus : public SimulatedBus {
   };
 
   /// One board per address that `places` names. Throws ConfigError for an address or channel that no board has.
-  explicit SimulatedPressureBus(std::vector<Place> places, int baud = 1000000,
+  explicit SimulatedPressureBus(const std::vector<Place>& places, int baud = 1000000,
                                 const SimulatedPressureBoard::Parameters& parameters = {});
   ~SimulatedPressureBus() override;
 

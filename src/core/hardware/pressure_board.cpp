@@ -98,6 +98,8 @@ PressureBoard::PressureBoard(int address, const DeviceTiming& timing, std::vecto
       channels_(actuators_.size()),
       readings_(actuators_.size()) {
   checkTiming(timing_);
+  if (actuators_.empty())
+    throw ConfigError("actuators of pressure board " + std::to_string(address), "none", "at least one");
   std::vector<bool> used(kMaxPressureChannels, false);
   for (const PressureActuator& a : actuators_) {
     checkActuator(a);

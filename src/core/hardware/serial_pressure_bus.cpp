@@ -1,6 +1,7 @@
 #include "sinew/hardware/serial_pressure_bus.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 
 #include "sinew/hardware/cobs.h"
@@ -20,6 +21,7 @@ SerialPressureBus::SerialPressureBus(LineFactory open_line, int baud, const Devi
                                      const std::vector<PressureActuator>& actuators)
     : open_line_(std::move(open_line)),
       baud_(baud),
+      period_(duration(timing.period)),
       reply_timeout_(duration(timing.reply_timeout)),
       readings_(actuators.size()) {
   std::map<int, std::vector<PressureActuator>> by_address;
@@ -43,6 +45,12 @@ SerialPressureBus::SerialPressureBus(LineFactory open_line, int baud, const Devi
 
 Duration SerialPressureBus::lineTime(std::size_t bytes) const {
   return duration(kBitsPerByte * static_cast<double>(bytes) / baud_);
+}
+
+// A request and its answer, for which a state is the longest.
+Duration SerialPressureBus::exchangeTime(const PressureBoard& board, PressureType request) const {
+  return lineTime(pressureFrameSize(request, board.channels()) +
+                  pressureFrameSize(PressureType::kState, board.channels()));
 }
 
 bool SerialPressureBus::open(std::string& why) {
@@ -102,18 +110,16 @@ bool SerialPressureBus::ask(std::size_t board) {
   return line_->write(out_.data(), out_.size(), patience).status != StreamStatus::kClosed;
 }
 
-bool SerialPressureBus::anyWaiting() const {
-  for (std::size_t b = 0; b < boards_.size(); ++b)
+bool SerialPressureBus::anyWaiting(std::size_t first, std::size_t last) const {
+  for (std::size_t b = first; b < last; ++b)
     if (isWaiting(b)) return true;
   return false;
 }
 
-// Until the deadline, or until every board that was asked has answered; without `all` only the one asked last.
-bool SerialPressureBus::receive(Time deadline, bool all) {
+// Until none of the boards first .. last-1 waits for its answer any more, or until the deadline.
+bool SerialPressureBus::receive(std::size_t first, std::size_t last, Time deadline) {
   std::uint8_t data[kReadSize];
-  const auto last =
-      static_cast<std::size_t>(std::find(pending_.rbegin(), pending_.rend(), true).base() - pending_.begin());
-  while (all ? anyWaiting() : isWaiting(last - 1)) {
+  while (anyWaiting(first, last)) {
     const Duration left = deadline - line_->now();
     if (left <= Duration{0}) return true;
     const StreamResult in = line_->read(data, sizeof data, left);
@@ -124,17 +130,16 @@ bool SerialPressureBus::receive(Time deadline, bool all) {
 }
 
 // Asks the boards in `asked`, whose requests are prepared.
-bool SerialPressureBus::exchange(std::vector<bool>& asked) {
+bool SerialPressureBus::exchange(const std::vector<bool>& asked) {
   if (line_ == nullptr || !flush()) return false;
   damaged_ = 0;
   for (std::size_t b = 0; b < boards_.size(); ++b) {
     if (!asked[b]) continue;
-    const PressureType answer = PressureType::kState;  // the longest
-    const std::size_t bytes = pressureFrameSize(boards_[b].request().type, boards_[b].channels()) +
-                              pressureFrameSize(answer, boards_[b].channels());
-    if (!ask(b) || !receive(line_->now() + lineTime(bytes) + duration(kTurnaround), false)) return false;
+    if (!ask(b)) return false;
+    const Time over = line_->now() + exchangeTime(boards_[b], boards_[b].request().type) + duration(kTurnaround);
+    if (!receive(b, b + 1, over)) return false;
   }
-  if (!receive(line_->now() + reply_timeout_, true)) return false;
+  if (!receive(0, boards_.size(), line_->now() + reply_timeout_)) return false;
   settle();
   return true;
 }
@@ -160,11 +165,24 @@ void SerialPressureBus::startSetUp(bool) {
   for (PressureBoard& b : boards_) b.startSetUp();
 }
 
+bool SerialPressureBus::checkCycleTime() {
+  Duration cycle{0};
+  for (const PressureBoard& b : boards_) cycle += exchangeTime(b, PressureType::kSetPoints);
+  if (cycle <= period_) return true;
+  char words[160];
+  std::snprintf(words, sizeof words,
+                "a cycle of all pressure boards takes %.1f ms at %d baud, and has %.1f ms: raise baud, or lower rate",
+                1e3 * seconds(cycle), baud_, 1e3 * seconds(period_));
+  problem_ = words;
+  return false;
+}
+
 SetUpProgress SerialPressureBus::updateSetUp(Time) {
   const bool enable =
       std::all_of(boards_.begin(), boards_.end(), [](const PressureBoard& b) { return b.awaitsEnable(); }) ||
       std::any_of(boards_.begin(), boards_.end(),
                   [](const PressureBoard& b) { return b.progress() == SetUpProgress::kDone; });
+  if (enable && !checkCycleTime()) return SetUpProgress::kFailed;
   std::vector<bool> asked(boards_.size());
   for (std::size_t b = 0; b < boards_.size(); ++b) {
     asked[b] = boards_[b].prepareSetUp(enable);

@@ -62,7 +62,7 @@ struct SimulatedPressureBoard::Electronics {
 sinew_hardware SimulatedPressureBoard::Electronics::makeHardware() {
   sinew_hardware h{};
   h.context = this;
-  h.millis = [](void* context) { return static_cast<std::uint32_t>(of(context).time * 1e3 + 0.5); };
+  h.millis = [](void* context) { return static_cast<std::uint32_t>(std::llround(of(context).time * 1e3)); };
   h.pressure = [](void* context, std::uint8_t channel) {
     const Channel& c = of(context).channels[channel];
     return c.sensor_broken ? kBrokenSensor : static_cast<std::int32_t>(std::lround(c.chamber.pressure()));
@@ -93,8 +93,8 @@ sinew_board_settings SimulatedPressureBoard::Electronics::makeSettings() const {
   s.supply_min = static_cast<std::uint16_t>(1e3 * (1 - kSupplyTolerance) * parameters.nominal_voltage);
   s.supply_max = static_cast<std::uint16_t>(1e3 * (1 + kSupplyTolerance) * parameters.nominal_voltage);
   s.temperature_max = 700;
-  s.source_low = 220000;
-  s.source_high = 260000;
+  s.source_low = static_cast<std::int32_t>(0.9 * parameters.tank_pressure);
+  s.source_high = static_cast<std::int32_t>(1.05 * parameters.tank_pressure);
   s.source_time = 5000;
   return s;
 }

@@ -15,7 +15,7 @@ constexpr std::size_t kReadSize = 512;
 
 }  // namespace
 
-SimulatedPressureBus::SimulatedPressureBus(std::vector<Place> places, int baud,
+SimulatedPressureBus::SimulatedPressureBus(const std::vector<Place>& places, int baud,
                                            const SimulatedPressureBoard::Parameters& parameters)
     : answers_(baud) {
   for (const Place& p : places) {
