@@ -1,8 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <deque>
-#include <functional>
-#include <memory>
+#include <iterator>
 #include <random>
 #include <vector>
 

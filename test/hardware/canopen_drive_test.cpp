@@ -312,6 +312,22 @@ TEST_F(CanopenDriveTest, TheDriveStopsWhenTheDriverFallsSilent) {
   EXPECT_NEAR(rig->node.shaftAngle(0), stopped + 1, 1e-3);
 }
 
+// Only its heartbeats were lost: the drive has stopped, and says so before its next statusword could.
+TEST_F(CanopenDriveTest, AnEmergencyOfSupervisionStopsTheDriveForGood) {
+  setUpWell();
+  rig->cycles(10, 0.01);
+  CanFrame emergency;
+  emergency.id = 0x085;
+  emergency.size = 8;
+  emergency.data = {0x30, 0x81, 0x11};
+  rig->drive.take(emergency, rig->bench.now());
+  rig->bench.forget();
+  rig->cycles(5, 0.05);
+  EXPECT_NE(rig->reading().fault & kFaultWatchdog, 0u);
+  EXPECT_EQ(rig->node.statusword() & 0x6F, 0x07);
+  for (const CanFrame& f : rig->bench.sent()) EXPECT_EQ(f.data[0], f.id == 0x205 ? 0x02 : f.data[0]);
+}
+
 TEST_F(CanopenDriveTest, LetsGoOnSilenceIfToldTo) {
   CanopenSettings settings = Rig::makeSettings();
   settings.hold_on_silence = false;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <string>
+#include <cstdint>
 
 #include "hardware/canopen_bench.h"
 #include "sinew/hardware/canopen_drive.h"

@@ -130,10 +130,7 @@ void CanopenDrive::writeSetPoints(const double* set_points, Time now, CanSender&
   if (life_ != Life::kRunning) return;
   asked_ = true;
   asked_at_ = now;
-  if (now - heartbeat_at_ > watchdog_ && !off_) {  // the drive has stopped: enabling it again would move it
-    raise(kFaultWatchdog);
-    stopped_ = true;
-  }
+  if (now - heartbeat_at_ > watchdog_ && !off_) raise(kFaultWatchdog);
   sendHeartbeat(now, out);
   updateErrorCode(now, out);
   if (std::isfinite(set_points[0])) target_ = units_.counts(set_points[0]);
@@ -224,8 +221,10 @@ bool CanopenDrive::isAnswer(const CanFrame& frame, std::size_t size) {
   return life_ == Life::kRunning && frame.size == size && asked_;
 }
 
+// A drive that has stopped by itself is not enabled again: it would move.
 void CanopenDrive::raise(std::uint32_t fault) {
   reading().fault |= fault;
+  if ((fault & (kFaultWatchdog | kFaultOff)) != 0) stopped_ = true;
   if ((fault & (kFaultJumped | kFaultUndervolted)) != 0) loseZero();
 }
 
