@@ -6,6 +6,7 @@
 
 #include "sinew/common/config_error.h"
 #include "sinew/hardware/can_device_bus.h"
+#include "sinew/hardware/can_identifiers.h"
 #include "sinew/hardware/can_pressure_board.h"
 #include "sinew/hardware/canopen_drive.h"
 #include "sinew/hardware/odrive_axis.h"
@@ -35,7 +36,22 @@ std::unique_ptr<CanDevice> makeCanDevice(const HardwareDescription& hardware, co
   return std::make_unique<CanPressureBoard>(a.id, timing, std::move(channels));
 }
 
+// A set point for one must never look like one for another.
+void checkIdentifiers(const HardwareDescription& hardware, int bus) {
+  std::vector<CanNodeNumber> odrives, drives;
+  int driver_node = 0;
+  for (const int i : hardware.actuatorsOn(bus)) {
+    const ActuatorDescription& a = actuator(hardware, i);
+    if (a.device == DeviceType::kOdrive) odrives.push_back({a.name, a.id});
+    if (a.device != DeviceType::kCanopen) continue;
+    drives.push_back({a.name, a.id});
+    driver_node = std::get<CanopenSettings>(a.settings).driver_node;
+  }
+  if (!drives.empty()) refuseSharedIdentifiers(odrives, drives, driver_node);
+}
+
 std::unique_ptr<DeviceBus> makeCanBus(const HardwareDescription& hardware, int bus, CanDeviceBus::OpenPort open) {
+  checkIdentifiers(hardware, bus);
   const DeviceTiming timing = hardware.timing(bus);
   std::vector<CanDeviceBus::Member> members;
   for (const CanDeviceGroup& group : groupByDevice(hardware, bus))
