@@ -2,8 +2,9 @@
 
 import collections
 
-# `tests` are names of ctest; `claim` is one sentence for docs/validation.md.
-Check = collections.namedtuple("Check", "name claim tests")
+# `tests` are names of ctest; `claim` is one sentence for docs/validation.md. Tests print the figures of their check; where
+# `counted`, what they show is not a figure, and the number of them that passed stands for it.
+Check = collections.namedtuple("Check", "name claim tests counted", defaults=(False,))
 
 
 def gtest(name):
@@ -17,6 +18,20 @@ def rostest(name):
 # Scenes with contact: each states what holds in all of them.
 CONTACT_SCENES = ("beam", "finger_obstacle", "gripper", "penetration", "tentacle", "trunk_rail")
 DEADLINES = [rostest("deadlines")] + [f"_ctest_sinew_rostest_deadlines__rate_{rate}.test" for rate in (500, 1000)]
+DECODERS = (
+    "canopen_drive",
+    "canopen_messages",
+    "canopen_sdo",
+    "cobs",
+    "dynamixel_packet",
+    "odrive_messages",
+    "pressure_message",
+    "simulated_cia402_drive",
+    "sinew_board",
+    "sinew_board_codec",
+    "slcan_codec",
+)
+CAN_GUEST = "can_guest"  # no test of ctest, as the benchmark is none
 TIMED_SCENES = gtest("benchmark_robot_scene_test")
 
 CHECKS = (
@@ -210,6 +225,52 @@ CHECKS = (
         "command_authority",
         "A paused clock, a replayed recording, a second publisher and a host clock that is off move nothing.",
         [rostest("command_authority")],
+    ),
+    Check(
+        "safety_states",
+        "The driver's states: every pair of state and event leads where it should, any fault makes any state safe, and "
+        "nothing but a person leads out of safety, whatever the order of events.",
+        [gtest("hardware_driver_state_test")],
+    ),
+    Check(
+        "fault_matrix",
+        "Every simulated device with every fault, ready (idle), moving and under load: how long until the driver is in the "
+        "state that the fault leads to, until every device that can has let go, and how far anything moves on recover.",
+        [gtest("hardware_fault_matrix_test")],
+    ),
+    Check(
+        "fuzz_corpus",
+        "Inputs that a fuzzer has kept for each decoder, replayed, with thousands of small changes to them.",
+        [gtest(f"fuzz_{decoder}_test") for decoder in DECODERS],
+    ),
+    Check(
+        "protocol_vectors",
+        "Byte-exact examples from public documents, named in the tests, for every protocol; those of the pressure boards from "
+        "their document, for the driver's and the firmware's codec alike.",
+        [
+            gtest(f"hardware_{noun}_test")
+            for noun in ("dynamixel_packet", "canopen_messages", "odrive_messages", "slcan_codec", "pressure_message")
+        ]
+        + [gtest("firmware_sinew_board_codec_test")],
+        True,
+    ),
+    Check(
+        "can_qemu",
+        "CAN on a kernel's own bus, in a guest that scripts/can_guest boots: interfaces that go down and up, the kernel's own "
+        "SLCAN driver, drives and ODrives over vcan. None is skipped.",
+        [CAN_GUEST],
+    ),
+    Check(
+        "bus_load",
+        "Twelve servos and four pressure channels at 200 Hz on simulated buses: how regular the driver is beside a bare "
+        "sleeping loop in the same run, what it takes of a core, and every command and answer accounted for.",
+        [rostest("bus_load")],
+    ),
+    Check(
+        "kill_node",
+        "Nodes are killed at random moments while the trunk moves: how long until the simulated devices are safe, after "
+        "which the robot comes back with recover.",
+        [rostest("kill_node")],
     ),
     Check(
         "benchmark_trunk",

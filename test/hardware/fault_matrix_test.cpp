@@ -302,12 +302,12 @@ void runCell(const Kind& kind, const Fault& fault, Condition condition) {
 
   fault.begin(b, kind);
   const double reaction = b.timeUntil([&] { return b.driver.report().state == fault.leads_to; }, 3);
-  checkAtMost(("fault_matrix." + cell).c_str(), 1e3 * reaction, 1e3 * fault.bound(kind), "ms");
+  checkAtMost(("fault_matrix.reaction." + cell).c_str(), 1e3 * reaction, 1e3 * fault.bound(kind), "ms");
   const bool whole_board = fault.first_is_deaf && isPneumatic(kind);  // both channels are on it
   if (fault.device_reacts && !whole_board) {
     // The driver lets go over relax_time where it can; where it cannot, the devices' own watchdogs do.
     const double letting_go = b.timeUntil([&] { return !b.anyEnergised(fault.first_is_deaf); }, 3);
-    checkAtMost(("fault_matrix_device." + cell).c_str(), 1e3 * letting_go,
+    checkAtMost(("fault_matrix.device." + cell).c_str(), 1e3 * letting_go,
                 1e3 * (std::max(kRelaxTime, kWatchdog) + 0.15), "ms");
   }
   b.commanding = false;
@@ -322,7 +322,7 @@ void runCell(const Kind& kind, const Fault& fault, Condition condition) {
   EXPECT_EQ(b.driver.report().state, DriverState::kReady) << b.driver.report().reason;
   double moved = 0;
   for (int i = 0; i < 2; ++i) moved = std::max(moved, std::abs(b.hardware.value(i) - before[i]) / b.scale());
-  checkAtMost(("fault_matrix_moved." + cell).c_str(), 1e3 * moved, b.pneumatic() ? 0.6 : 0.1, "mm");
+  checkAtMost(("fault_matrix.moved." + cell).c_str(), 1e3 * moved, b.pneumatic() ? 0.6 : 0.1, "mm");
   EXPECT_LE(b.worstExcess(), 0) << "a limit was passed";
 }
 
