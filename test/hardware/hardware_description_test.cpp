@@ -47,6 +47,27 @@ TEST(HardwareDescription, ReadsTheTrunk) {
   }
 }
 
+TEST(HardwareDescription, ReadsAMixedBench) {
+  const HardwareDescription h = HardwareDescription::load(SINEW_SOURCE_DIR "/config/bench/hardware.yaml");
+  ASSERT_EQ(h.buses.size(), 3u);
+  EXPECT_TRUE(h.buses[1].isCanInterface());
+  EXPECT_EQ(h.buses[1].bitrate, 1000000);
+  ASSERT_EQ(h.actuators.size(), 7u);
+  EXPECT_EQ(h.actuatorsOn(1), std::vector<int>({2, 3, 4}));
+  EXPECT_EQ(h.actuators[2].device, DeviceType::kCanopen);
+  EXPECT_EQ(std::get<CanopenSettings>(h.actuators[2].settings).gear, 10);
+  EXPECT_EQ(h.actuators[3].device, DeviceType::kOdrive);
+  EXPECT_EQ(h.actuators[3].watch.current_max, 15);
+  EXPECT_EQ(h.actuators[4].quantity, Quantity::kPressure);
+  EXPECT_EQ(h.actuators[6].channel, 1);
+  EXPECT_EQ(h.actuators[6].on_timeout, OnTimeout::kVent);
+  EXPECT_EQ(h.actuators[0].watch.effort_missing, 10);
+  HardwareDescription moved = h;
+  moved.movePorts("/tmp/x");
+  EXPECT_EQ(moved.buses[1].port, "/tmp/x_can");
+  EXPECT_FALSE(moved.buses[1].isCanInterface());
+}
+
 TEST(HardwareDescription, AnActuatorOverridesWhatIsCommon) {
   const HardwareDescription h =
       HardwareDescription::parse(replaced("id: 2}", "id: 2, sign: -1, spool_radius: 0.02}"), "x");
