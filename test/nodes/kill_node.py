@@ -40,6 +40,7 @@ class KillNode(LineTest):
         self.random.shuffle(order)
         for number, node in enumerate(order):
             self.lead(0.5 + self.random.random())
+            self.come_back()  # a busy machine may have stopped it by itself
             took = self.kill(node)
             worst[node] = max(worst.get(node, 0.0), took)
             print("kill %d of %d: %s, safe after %.3f s" % (number + 1, KILLS, node, took), flush=True)
@@ -117,8 +118,14 @@ class KillNode(LineTest):
         fresh = [m for _, m in self.states.since(now - 0.5)]
         driven = [m for _, m in self.actuators.since(now - 0.5)]
         seen = self.devices.since(now - 0.5)
-        enabled = fresh and fresh[-1].status in (ControllerState.OK, ControllerState.DEGRADED)
-        return bool(enabled and driven and seen and driven[-1].driver_state == ActuatorState.ACTIVE)
+        enabled = fresh and fresh[-1].status in (ControllerState.TRACKING, ControllerState.DEGRADED)
+        return bool(
+            enabled
+            and driven
+            and seen
+            and driven[-1].driver_state == ActuatorState.ACTIVE
+            and all(seen[-1][1].energised)
+        )
 
     # --- The rest ---
 
@@ -150,10 +157,11 @@ class KillNode(LineTest):
         """m/s of any cable while its motor was on, over 50 ms."""
         worst = 0.0
         records = self.devices.all()
-        for (t0, a), (t1, b) in zip(records, records[5:]):
-            if t1 - t0 > 0.2 or not all(a.energised) or not all(b.energised):
+        for (_, a), (_, b) in zip(records, records[5:]):
+            time_between = (b.header.stamp - a.header.stamp).to_sec()
+            if not 0.03 < time_between < 0.2 or not all(a.energised) or not all(b.energised):
                 continue
-            worst = max([worst] + [abs(y - x) / (t1 - t0) for x, y in zip(a.value, b.value)])
+            worst = max([worst] + [abs(y - x) / time_between for x, y in zip(a.value, b.value)])
         return worst
 
 
