@@ -1,5 +1,5 @@
 // Times factorisation and compliance of stiffness matrices against CHOLMOD with BLAS, in one run on one core, and
-// compares both with dense LAPACK.
+// compares both with dense LAPACK, refined.
 // usage: compliance_benchmark [--list] [--threads N] [--dense-to DOFS] [--robot FILE] [MESH ...]
 // --list: the instruction sets of this machine, no more; --dense-to: no dense factor for more unknowns; --robot: the
 // matrix of a robot along z, its cables in the sparsity; MESH: further bodies, clamped at their lowest x. The
@@ -154,17 +154,48 @@ MatX makeDense(const BlockRows& rows, int size) {
   return H;
 }
 
-/// W by dense LAPACK.
+/// H^T - A X, summed with more digits than a double has.
+MatX calcResidual(const BlockMatrix& matrix, const MatX& H, const MatX& X) {
+  const BlockPattern& pattern = matrix.pattern();
+  const std::vector<int>& start = pattern.columnStart();
+  MatX residual(X.rows(), X.cols());
+  std::vector<long double> sum(static_cast<std::size_t>(X.rows()));
+  for (int k = 0; k < X.cols(); ++k) {
+    for (int i = 0; i < X.rows(); ++i) sum[i] = H(k, i);
+    for (int j = 0; j < pattern.size(); ++j) {
+      for (int e = start[j / 3]; e < start[j / 3 + 1]; ++e) {
+        const BlockSlot slot = pattern.slot(pattern.rows()[e], j / 3);
+        for (int r = 0; r < 3; ++r) {
+          const int i = 3 * pattern.rows()[e] + r;
+          const long double value = matrix.values()[slot.first + j % 3 * slot.stride + r];
+          sum[i] -= value * X(j, k);
+          if (pattern.rows()[e] != j / 3) sum[j] -= value * X(i, k);
+        }
+      }
+    }
+    for (int i = 0; i < X.rows(); ++i) residual(i, k) = static_cast<double>(sum[i]);
+  }
+  return residual;
+}
+
+/// W by dense LAPACK, refined until only rounding of the result is left.
 MatX calcDenseCompliance(const BlockMatrix& matrix, const MatX& H) {
+  constexpr int kRefinements = 3;
   MatX A = matrix.makeDense();
   const int n = static_cast<int>(A.rows()), r = static_cast<int>(H.rows());
   int info = 0;
   dpotrf_("L", &n, A.data(), &n, &info);
   if (info != 0) throw std::runtime_error("the stiffness matrix is not positive definite");
-  MatX Y = H.transpose();
   const double one = 1;
-  dtrsm_("L", "L", "N", "N", &n, &r, &one, A.data(), &n, Y.data(), &n);
-  return Y.transpose() * Y;
+  MatX X = MatX::Zero(n, r);
+  for (int pass = 0; pass < kRefinements; ++pass) {
+    MatX step = calcResidual(matrix, H, X);
+    for (const char* transposed : {"N", "T"}) {
+      dtrsm_("L", "L", transposed, "N", &n, &r, &one, A.data(), &n, step.data(), &n);
+    }
+    X += step;
+  }
+  return H * X;
 }
 
 /// CHOLMOD with one of its orderings, simplicial or supernodal: factor, forward solve, symmetric product.

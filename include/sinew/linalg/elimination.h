@@ -22,7 +22,7 @@ double calcPanelCost(int own, int below);
 /// supernode and its parent become one where the zeros that this stores cost less than the smaller blocks would, and
 /// wide supernodes are cut again. Changes the order to one that is equivalent.
 Elimination makeElimination(const BlockPattern& pattern, const BlockOrder& order, int threads = 1);
-/// The cheapest of all orderings for so many threads.
+/// The cheapest of all orderings for so many threads; along the body unless another one is clearly cheaper.
 Elimination makeElimination(const BlockPattern& pattern, int threads = 1);
 
 }  // namespace sinew

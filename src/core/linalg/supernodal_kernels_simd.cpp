@@ -19,6 +19,9 @@ constexpr int kColumns = kWidth == 8 ? 9 : 3;  // as many as the registers hold
 constexpr int kRows = kVectors * kWidth;
 constexpr int kRowNodes = kRows / 3;
 constexpr int kMaxRowVectors = 64 * 8;  // of the half solutions
+/// A product is summed from zero and C added last: beside the large entries of C every term would be rounded more. With
+/// the sixteen registers of SSE2 compilers spill some of it then.
+constexpr bool kAddsLast = kWidth > 2;
 constexpr int kSequence[kVectors] = {0, kWidth, 2 * kWidth};
 
 /// Rows of a tile: vectors at these offsets, the last one with so many rows in use.
@@ -58,6 +61,15 @@ struct Tile {
     }
   }
 
+  SINEW_INLINE void add(const ColumnTriples& columns, const RowVectors& rows) {
+    SINEW_UNROLL for (int j = 0; j < C; ++j) {
+      const double* column = columns[j];
+      SINEW_UNROLL for (int v = 0; v + 1 < V; ++v) sum[j][v] = sum[j][v] + Simd::load(column + rows.offset[v]);
+      column += rows.offset[V - 1];
+      sum[j][V - 1] = sum[j][V - 1] + (rows.last == kWidth ? Simd::load(column) : Simd::loadHead(column, rows.last));
+    }
+  }
+
   SINEW_INLINE void store(const ColumnTriples& columns, const RowVectors& rows) const {
     SINEW_UNROLL for (int j = 0; j < C; ++j) {
       double* column = columns[j];
@@ -82,6 +94,18 @@ struct Tile {
         SINEW_UNROLL for (int v = 0; v < V; ++v) sum[j][v] = multiplySubtract(row[v], factor, sum[j][v]);
       }
     }
+  }
+
+  /// sum = C - A B^T
+  SINEW_INLINE void takeFrom(const ColumnTriples& columns, const RowVectors& rows, const double* a, int a_stride,
+                             const double* b, int b_stride, int depth) {
+    if constexpr (kAddsLast) {
+      clear();
+    } else {
+      load(columns, rows);
+    }
+    subtractProduct(a, a_stride, rows.offset, b, b_stride, depth);
+    if constexpr (kAddsLast) add(columns, rows);
   }
 
   /// sum <- sum L^-T with a lower triangle L.
@@ -148,14 +172,11 @@ void update(const double* source, int source_stride, int depth, const int* place
       withTile(vectors, 3 * columns, [&](auto tile) SINEW_INLINE_CALL {
         const RowVectors all = {kSequence, 3 * rows - (vectors - 1) * kWidth};
         if (together) {
-          tile.load(to, all);
-        } else {
-          tile.clear();
-        }
-        tile.subtractProduct(source + 3 * r, source_stride, kSequence, source + 3 * c, source_stride, depth);
-        if (together) {
+          tile.takeFrom(to, all, source + 3 * r, source_stride, source + 3 * c, source_stride, depth);
           tile.store(to, all);
         } else {
+          tile.clear();
+          tile.subtractProduct(source + 3 * r, source_stride, kSequence, source + 3 * c, source_stride, depth);
           tile.scatter(to, place + r, rows);
         }
       });
@@ -206,8 +227,7 @@ void finishRows(double* panel, int stride, int c, int columns, int first, int en
     withTile(vectors, columns, [&](auto tile) SINEW_INLINE_CALL {
       const ColumnTriples there(panel + r + c * stride, stride);
       const RowVectors all = {kSequence, rows - (vectors - 1) * kWidth};
-      tile.load(there, all);
-      tile.subtractProduct(panel + r, stride, kSequence, panel + c, stride, c);
+      tile.takeFrom(there, all, panel + r, stride, panel + c, stride, c);
       if (solved) tile.solve(panel + c + c * stride, stride, inverse_diagonal + c);
       tile.store(there, all);
     });
@@ -245,8 +265,7 @@ void forward(const double* panel, int stride, int columns, const double* inverse
     for (int v = 0; v < count; v += kVectors) {
       withTile(smaller(kVectors, count - v), taken, [&](auto tile) SINEW_INLINE_CALL {
         const RowVectors rows = {offset + v, kWidth};
-        tile.load(there, rows);
-        tile.subtractProduct(own, half_stride, rows.offset, panel + c, stride, c);
+        tile.takeFrom(there, rows, own, half_stride, panel + c, stride, c);
         tile.solve(panel + c + c * stride, stride, inverse_diagonal + c);
         tile.store(there, rows);
       });
@@ -259,8 +278,7 @@ void forward(const double* panel, int stride, int columns, const double* inverse
     for (int v = 0; v < count; v += kVectors) {
       withTile(smaller(kVectors, count - v), 3 * taken, [&](auto tile) SINEW_INLINE_CALL {
         const RowVectors rows = {offset + v, kWidth};
-        tile.load(there, rows);
-        tile.subtractProduct(own, half_stride, rows.offset, panel + columns + 3 * n, stride, columns);
+        tile.takeFrom(there, rows, own, half_stride, panel + columns + 3 * n, stride, columns);
         tile.store(there, rows);
       });
     }
@@ -282,8 +300,7 @@ void product(const double* half, int half_stride, int depth, std::uint64_t activ
     for (int v = first; v < count; v += kVectors) {
       withTile(smaller(kVectors, count - v), kColumns, [&](auto tile) SINEW_INLINE_CALL {
         const RowVectors rows = {offset + v, kWidth};
-        tile.load(there, rows);
-        tile.subtractProduct(half, half_stride, rows.offset, half + c, half_stride, depth);
+        tile.takeFrom(there, rows, half, half_stride, half + c, half_stride, depth);
         tile.store(there, rows);
       });
     }
