@@ -9,10 +9,10 @@
 
 namespace sinew {
 
-/// Left-looking factorisation on dense panels of node blocks: every panel takes its part of the matrix, and from the
-/// finished panels that reach into its columns what is due, then is factorised (Ng and Peyton's supernodal method). All
-/// of that happens while it is in the cache.
-/// The numbers are all worked on by `SupernodalKernels`; here is which, in what order.
+/// Left-looking factorisation on dense panels of node blocks: every panel takes from the finished panels that reach
+/// into its columns what is due, then its part of the matrix, and is factorised (Ng and Peyton's supernodal method).
+/// All of that happens while it is in the cache. The numbers are all worked on by `SupernodalKernels`; here is which,
+/// in what order.
 ///
 /// Rows are condensed by halves: Y = L^-1 H^T, W = Y^T Y. A row's half solution is zero but along the paths of the
 /// elimination tree from the panels that it touches up to the root, so rows are sorted by where they begin and the work
@@ -46,7 +46,7 @@ class SupernodalCholesky : public SparseCholesky {
   };
 
   bool factorise(const std::vector<int>& panels, const BlockMatrix& matrix);
-  void load(const Panel& panel, const BlockMatrix& matrix);
+  void add(const BlockMatrix& matrix, const Panel& panel);
   void sortRows(const BlockRows& H);
   void findActive(const BlockRows& H);
   void clear(Share& share, const std::vector<int>& panels);

@@ -64,15 +64,16 @@ bool SupernodalCholesky::factorise(const BlockMatrix& matrix) {
          factorise(trunk_, matrix);
 }
 
-void SupernodalCholesky::load(const Panel& panel, const BlockMatrix& matrix) {
+// Behind what is taken from it: beside its large entries each part of that would be rounded more.
+void SupernodalCholesky::add(const BlockMatrix& matrix, const Panel& panel) {
   const std::vector<int>& start = matrix.pattern().columnStart();
   double* column = values_.data() + panel.values;
-  std::fill_n(column, panel.columns() * panel.stride, 0.0);
   for (int j = panel.first; j < panel.first + panel.own; ++j) {
     const double* value = matrix.values().data() + 9 * start[j];
     for (int c = 0; c < 3; ++c, column += panel.stride) {
       for (int k = start[j]; k < start[j + 1]; ++k, value += 3) {
-        std::copy_n(value, 3, column + pattern_->matrixPlaces()[k]);
+        double* to = column + pattern_->matrixPlaces()[k];
+        for (int d = 0; d < 3; ++d) to[d] += value[d];
       }
     }
   }
@@ -82,13 +83,14 @@ bool SupernodalCholesky::factorise(const std::vector<int>& panels, const BlockMa
   double* values = values_.data();
   for (const int p : panels) {
     const Panel& panel = pattern_->panels()[p];
-    load(panel, matrix);
+    std::fill_n(values + panel.values, panel.columns() * panel.stride, 0.0);
     for (const auto* update = pattern_->updatesBegin(p); update != pattern_->updatesEnd(p); ++update) {
       const Panel& source = pattern_->panels()[update->source];
       kernels_->update(values + source.values + 3 * (source.own + update->first_row), source.stride, source.columns(),
                        pattern_->places().data() + update->place, source.below_count - update->first_row,
                        update->column_count, values + panel.values, panel.stride);
     }
+    add(matrix, panel);
     if (!kernels_->factorise(values + panel.values, panel.stride, panel.columns(), panel.rows(),
                              inverse_diagonal_.data() + 3 * panel.first)) {
       return false;
