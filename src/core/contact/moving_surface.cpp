@@ -64,13 +64,19 @@ void MovingSurface::updateNormals() {
   for (int t = 0; t < static_cast<int>(face_normals_.size()); ++t) {
     const CollisionSurface::Triangle& corners = topology_.triangles()[t];
     Vec3 sides[3];
-    for (int i = 0; i < 3; ++i) sides[i] = (corner(t, (i + 1) % 3) - corner(t, i)).normalized();
-    const Vec3 doubled = (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
+    double inverse[3];  // of their lengths, 1/m
+    for (int i = 0; i < 3; ++i) {
+      sides[i] = corner(t, (i + 1) % 3) - corner(t, i);
+      inverse[i] = 1 / sides[i].norm();
+    }
+    const Vec3 doubled = sides[2].cross(sides[0]);
     const double norm = doubled.norm();
     face_areas_[t] = norm / 2;
     face_normals_[t] = norm > 0 ? Vec3(doubled / norm) : Vec3(Vec3::Zero());
     for (int i = 0; i < 3; ++i) {
-      vertex_normals_[corners[i]] += calcAngle(-sides[i].dot(sides[(i + 2) % 3])) * face_normals_[t];
+      const int before = (i + 2) % 3;
+      const double cosine = -sides[i].dot(sides[before]) * inverse[i] * inverse[before];
+      vertex_normals_[corners[i]] += calcAngle(cosine) * face_normals_[t];
       vertex_areas_[corners[i]] += norm / 6;
     }
   }

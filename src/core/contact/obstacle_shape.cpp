@@ -44,13 +44,13 @@ SurfaceDistance calcBoxDistance(const Vec3& half, const Vec3& p) {
 }
 
 SurfaceDistance calcCylinder(double radius, double half_length, const Vec3& p) {
-  const double r = std::hypot(p.x(), p.y());
+  const double r = p.head<2>().norm();
   const Vec3 radial = r > 0 ? Vec3(p.x() / r, p.y() / r, 0) : Vec3(Vec3::UnitX());
   const Vec3 axial = signOf(p.z()) * Vec3::UnitZ();
   const double side = r - radius;
   const double end = std::abs(p.z()) - half_length;
   if (side > 0 && end > 0) {
-    const double distance = std::hypot(side, end);
+    const double distance = std::sqrt(side * side + end * end);
     return fromNormal(p, distance, (side * radial + end * axial) / distance);
   }
   return side >= end ? fromNormal(p, side, radial) : fromNormal(p, end, axial);
