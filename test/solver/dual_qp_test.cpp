@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "random_qp.h"
 #include "sinew/solver/dense_qp.h"
@@ -130,6 +132,42 @@ TEST(DualQp, goesOnFromACopyAfterTightening) {
     EXPECT_GE(child.value(), parent.value());
     EXPECT_EQ(parent.unknowns(), n);
   }
+}
+
+// As down a tree: one after another, what is open is closed, and unknowns come and go at their limits.
+TEST(DualQp, goesOnThroughManyTightenings) {
+  std::mt19937 random(7);
+  int tightened = 0, held = 0;
+  for (int k = 0; k < 100; ++k) {
+    const int n = 12, m = 8;
+    const QpProblem problem = makeConvex(n, m, true, random);
+    View view(problem);
+    view.limits.lower.setZero();
+    view.limits.upper.setConstant(kInfinity);
+    view.map.rightCols(1).setConstant(1);
+    DualQp node(n, m), child(n, m);
+    ASSERT_TRUE(node.start(problem.G, problem.g, std::vector<char>(n, 1)));
+    for (int depth = 0; depth < n; ++depth) {
+      DualQp fresh(n, m);
+      ASSERT_TRUE(fresh.start(problem.G, problem.g));
+      const DualQp::Outcome outcome = fresh.minimise(view.rows(), view.limits, kInfinity);
+      ASSERT_EQ(node.minimise(view.rows(), view.limits, kInfinity), outcome) << k << " " << depth;
+      if (outcome != DualQp::Outcome::kOptimal) break;
+      EXPECT_NEAR(node.value(), fresh.value(), 1e-8 * (1 + std::abs(fresh.value()))) << k << " " << depth;
+      EXPECT_LE((node.x() - fresh.x()).norm(), 1e-7 * (1 + fresh.x().norm())) << k << " " << depth;
+      for (int i = 0; i < n; ++i) held += node.isHeld(i) ? 1 : 0;
+      VecX values(m + n);
+      values << node.rowValues(), node.x();
+      const int limit = static_cast<int>(random() % static_cast<unsigned>(m + n));
+      if (!(values(limit) > 0.01)) continue;
+      view.limits.upper(limit) = 0;
+      ++tightened;
+      child.copy(node);
+      std::swap(node, child);
+    }
+  }
+  EXPECT_GT(tightened, 100);
+  EXPECT_GT(held, 1000);
 }
 
 TEST(DualQp, stopsAtTheCutoff) {
