@@ -53,6 +53,10 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
   message_.name = description_.names();
   for (const Quantity quantity : description_.quantities())
     message_.mode.push_back(static_cast<std::uint8_t>(quantity));
+  for (const ActuatorDescription& actuator : description_.actuators) {
+    message_.limit_min.push_back(actuator.min);
+    message_.limit_max.push_back(actuator.max);
+  }
   state_ = node_.advertise<ActuatorState>("actuator_state", 10);
   command_ = node_.subscribe("actuator_command", kCommandBacklog, &HardwareDriverNode::onCommand, this,
                              ros::TransportHints().tcpNoDelay());
