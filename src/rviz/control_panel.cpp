@@ -15,16 +15,11 @@ namespace {
 
 constexpr int kRefreshPeriod = 100;  // ms
 constexpr int kSpacing = 6;          // px
+constexpr int kMinimumWidth = 484;   // px, of the columns of the actuators
 constexpr int kBadgeWidth = 104;     // px, of a state in capitals
 constexpr int kButtonHeight = 28;    // px
 constexpr int kStopHeight = 60;      // px
 const char* const kVerbTexts[kVerbs] = {"Init", "Recover", "Halt", "Enable", "Disable"};
-const char* const kStopLoose =
-    "QPushButton { background: #d81e1e; color: white; border: 2px solid #8c1010; border-radius: 6px; font-weight: "
-    "bold; }";
-const char* const kStopPressed =
-    "QPushButton { background: #6e0d0d; color: #ffd84a; border: 4px solid #ffd84a; border-radius: 6px; "
-    "font-weight: bold; font-size: 20px; }";
 
 QString text(const std::string& utf8) {
   return QString::fromStdString(utf8);
@@ -33,6 +28,11 @@ QString text(const std::string& utf8) {
 // A style sheet is costly to set, even the same one again.
 void setSheet(QWidget* widget, const QString& style) {
   if (widget->styleSheet() != style) widget->setStyleSheet(style);
+}
+
+QString stopSheet(bool pressed) {
+  const QString sheet("background: %1; color: %2; border: 3px solid %3; border-radius: 6px; font: bold 20px;");
+  return pressed ? sheet.arg("#6e0d0d", "#ffd84a", "#ffd84a") : sheet.arg("#d81e1e", "white", "#8c1010");
 }
 
 void showBadge(QLabel* label, const PanelText& state) {
@@ -66,6 +66,7 @@ QLabel* makeBadge(QWidget* parent) {
 }  // namespace
 
 ControlPanel::ControlPanel(QWidget* parent) : rviz::Panel(parent), spinner_(1, &queue_) {
+  setMinimumWidth(kMinimumWidth);
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(kSpacing, kSpacing, kSpacing, kSpacing);
   column->setSpacing(kSpacing);
@@ -117,8 +118,8 @@ QLayout* ControlPanel::makeStates() {
   };
   driver_ = makeBadge(this);
   controller_ = makeBadge(this);
-  driver_reason_ = makeText(this, 2);
-  controller_reason_ = makeText(this, 2);
+  driver_reason_ = makeText(this, 3);
+  controller_reason_ = makeText(this, 3);
   cycle_ = makeText(this, 1);
   counters_ = makeText(this, 1);
   addRow(0, "Driver", driver_, driver_reason_);
@@ -136,8 +137,7 @@ QLayout* ControlPanel::makeButtons() {
     button->setObjectName(kVerbTexts[i]);
     button->setFixedHeight(kButtonHeight);
     button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
-    connect(button, &QPushButton::clicked, this,
-            [this, i] { calls_.start(base_ + "/" + serviceOf(static_cast<Verb>(i))); });
+    connect(button, &QPushButton::clicked, this, [this, i] { ask(static_cast<Verb>(i)); });
     row->addWidget(button, 1);
     buttons_[i] = button;
   }
@@ -174,6 +174,10 @@ QLayout* ControlPanel::makeNamespace() {
 
 // --- What it does ---
 
+std::string ControlPanel::resolve(Verb verb) const {
+  return base_ + "/" + serviceOf(verb);
+}
+
 void ControlPanel::connectTo(const QString& name_space) {
   std::string error;
   if (!ros::names::validate(name_space.toStdString(), error)) {
@@ -190,6 +194,11 @@ void ControlPanel::connectTo(const QString& name_space) {
   emergency_stop_ = node.advertise<std_msgs::Bool>("emergency_stop", 1, true);
   actuator_state_.subscribe(node, "actuator_state");
   controller_state_.subscribe(node, "controller_state");
+}
+
+void ControlPanel::ask(Verb verb) {
+  calls_.start(resolve(verb));
+  showText(answer_, {std::string(serviceOf(verb)) + " ...", Tone::kPlain});
 }
 
 void ControlPanel::setStop(bool pressed) {
@@ -210,7 +219,7 @@ void ControlPanel::refresh() {
   showText(cycle_, view.cycle);
   showText(counters_, view.counters);
   stop_->setText(text(view.stop.text));
-  setSheet(stop_, stop_pressed_ ? kStopPressed : kStopLoose);
+  setSheet(stop_, stopSheet(stop_pressed_));
   actuators_->show(view.actuators);
   showButtons(view);
   showAnswers();
@@ -218,7 +227,7 @@ void ControlPanel::refresh() {
 
 void ControlPanel::showButtons(const PanelView& view) {
   for (std::size_t i = 0; i < kVerbs; ++i) {
-    const bool under_way = calls_.underWay(base_ + "/" + serviceOf(static_cast<Verb>(i)));
+    const bool under_way = calls_.underWay(resolve(static_cast<Verb>(i)));
     buttons_[i]->setEnabled(view.possible[i] && !under_way);
   }
 }

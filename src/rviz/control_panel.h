@@ -33,6 +33,8 @@ class ControlPanel : public rviz::Panel {
 
  private:
   void connectTo(const QString& name_space);
+  std::string resolve(Verb verb) const;
+  void ask(Verb verb);
   void setStop(bool pressed);
   void refresh();
   void showAnswers();
