@@ -56,10 +56,11 @@ QLabel* makeText(QWidget* parent, int lines) {
   return label;
 }
 
-QLabel* makeBadge(QWidget* parent) {
+QLabel* makeBadge(QWidget* parent, const char* name) {
   auto* label = new QLabel(parent);
+  label->setObjectName(name);
   label->setAlignment(Qt::AlignCenter);
-  label->setFixedWidth(kBadgeWidth);
+  label->setFixedSize(kBadgeWidth, kButtonHeight);
   return label;
 }
 
@@ -116,8 +117,8 @@ QLayout* ControlPanel::makeStates() {
     if (state) grid->addWidget(state, row, 1);
     grid->addWidget(content, row, state ? 2 : 1, 1, state ? 1 : 2);
   };
-  driver_ = makeBadge(this);
-  controller_ = makeBadge(this);
+  driver_ = makeBadge(this, "Driver");
+  controller_ = makeBadge(this, "Controller");
   driver_reason_ = makeText(this, 3);
   controller_reason_ = makeText(this, 3);
   cycle_ = makeText(this, 1);

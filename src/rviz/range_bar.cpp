@@ -10,7 +10,7 @@ namespace sinew {
 namespace {
 
 constexpr double kRadius = 2;     // px, of corners
-constexpr double kMark = 3;       // px, width of the mark
+constexpr double kMark = 2;       // px, width of the mark
 constexpr double kGrooveTop = 3;  // px
 const QColor kMeasured(64, 128, 192);
 
