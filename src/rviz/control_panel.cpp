@@ -199,7 +199,7 @@ void ControlPanel::connectTo(const QString& name_space) {
 
 void ControlPanel::ask(Verb verb) {
   calls_.start(resolve(verb));
-  showText(answer_, {std::string(serviceOf(verb)) + " ...", Tone::kPlain});
+  showText(answer_, {resolve(verb) + " ...", Tone::kPlain});
 }
 
 void ControlPanel::setStop(bool pressed) {
@@ -235,8 +235,7 @@ void ControlPanel::showButtons(const PanelView& view) {
 
 void ControlPanel::showAnswers() {
   for (const ServiceAnswer& answer : calls_.takeAnswers())
-    showText(answer_, {answer.service.substr(base_.size() + 1) + ": " + answer.message,
-                       answer.success ? Tone::kGood : Tone::kBad});
+    showText(answer_, {answer.service + ": " + answer.message, answer.success ? Tone::kGood : Tone::kBad});
 }
 
 }  // namespace sinew
