@@ -34,7 +34,7 @@ class ActuatorInbox {
   std::shared_ptr<const RobotModel> robot_;
   mutable std::mutex mutex_;
   DriverReading reading_;  // under mutex_
-  std::string reason_;       // under mutex_
+  std::string reason_;     // under mutex_
   NewestWins<DriverReading> newest_;
   RefusalLog refusals_;
   std::string topic_;

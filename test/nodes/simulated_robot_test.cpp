@@ -75,8 +75,8 @@ class SimulatedRobotTest : public testing::Test {
     ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kTorqueEnable, 0));
     ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kOperatingMode, kMode));
     ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kTorqueEnable, 1));
-    ASSERT_EQ(BusStatus::kOk,
-              bus_.write(idOf(actuator), servo_register::kGoalPosition, makeTransmission(actuator).counts(displacement)));
+    ASSERT_EQ(BusStatus::kOk, bus_.write(idOf(actuator), servo_register::kGoalPosition,
+                                         makeTransmission(actuator).counts(displacement)));
   }
 
   /// By the servos' own account [m].
@@ -104,8 +104,7 @@ class SimulatedRobotTest : public testing::Test {
     int answers = 0;
     DynamixelBus::Identity identity;
     for (int i = 0; i < pings; ++i) {
-      answers +=
-          bus_.ping(idOf(hardware_.actuators.front()), identity) == BusStatus::kOk ? 1 : 0;
+      answers += bus_.ping(idOf(hardware_.actuators.front()), identity) == BusStatus::kOk ? 1 : 0;
     }
     return answers;
   }
