@@ -29,7 +29,8 @@ STALE = (140, 146, 156)
 BADGE = 1000  # px that a badge has of its colour at least
 
 BUTTONS = ("Init", "Recover", "Halt", "Enable", "Disable")  # in a row above the stop
-STOP_BORDER, SPACING, BUTTON_HEIGHT = 3, 6, 28  # px
+STOP_BORDER, SPACING, BUTTON_HEIGHT, TEXT = 3, 6, 28, 40  # px
+DARK = 80  # brightest channel of a text that is black
 STILL = 1.0  # s in which nothing may happen
 
 
@@ -88,6 +89,10 @@ class Panel(LineTest):
     def tearDownClass(cls):
         cls.screen.close()
 
+    def tearDown(self):
+        for name, recorder in (("driver", self.actuators), ("controller", self.controller)):
+            print("the %s's last reason: %s" % (name, recorder.newest() and recorder.newest().reason), flush=True)
+
     def test_panel(self):
         self.find_the_stop()
         self.start()
@@ -119,7 +124,8 @@ class Panel(LineTest):
         self.screen.mouse("mouseup", 1)
         self.wait_for("the pressed stop", lambda: self.seen(STOP_PRESSED) > 10000 and not self.seen(STOP_LOOSE))
         self.wait_for("no green badge", lambda: self.seen(GOOD) < BADGE)
-        self.click("Recover")
+        self.assertFalse(self.is_enabled("Recover"))
+        self.screen.mouse("mousemove", *self.middle_of("Recover"), "click", 1)
         time.sleep(STILL)
         self.assertTrue(self.stop.newest().data, "letting go of the mouse lets go of nothing")
         self.assertTrue(self.actuators.newest().emergency_stop)
@@ -167,12 +173,19 @@ class Panel(LineTest):
         self.screen.mouse("mousemove", (self.left + self.right) // 2, (self.top + self.bottom) // 2)
 
     def click(self, button):
-        """Once the panel has had time to show the present state."""
-        time.sleep(0.5)
+        self.wait_for("the button %s to be black on white" % button, lambda: self.is_enabled(button))
+        self.screen.mouse("mousemove", *self.middle_of(button), "click", 1)
+
+    def is_enabled(self, button):
+        """By its text, which is grey otherwise."""
+        x, y = self.middle_of(button)
+        text = self.screen.look()[y - BUTTON_HEIGHT // 4 : y + BUTTON_HEIGHT // 4, x - TEXT // 2 : x + TEXT // 2]
+        return text.max(axis=2).min() < DARK
+
+    def middle_of(self, button):
         pitch = (self.right - self.left + 1 + 2 * STOP_BORDER + SPACING) / len(BUTTONS)
         x = self.left - STOP_BORDER + (BUTTONS.index(button) + 0.5) * pitch - SPACING / 2
-        y = self.top - STOP_BORDER - SPACING - BUTTON_HEIGHT // 2
-        self.screen.mouse("mousemove", int(x), int(y), "click", 1)
+        return int(x), int(self.top - STOP_BORDER - SPACING - BUTTON_HEIGHT // 2)
 
     def wait_for_state(self, state, timeout=20.0):
         self.wait_for("driver state %d" % state,
