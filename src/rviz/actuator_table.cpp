@@ -100,6 +100,7 @@ void ActuatorTable::fill(const Row& row, const ActuatorRow& actuator) {
   row.temperature->setText(text(actuator.temperature));
   row.zero->setText(actuator.zero_valid ? "valid" : "lost");
   row.bar->show(actuator);
+  row.bar->setToolTip(text(actuator.range));
   row.faults->setText(text(actuator.faults));
   row.faults->setVisible(!actuator.faults.empty());
   for (QLabel* label : {row.name, row.applied, row.measured, row.effort, row.temperature, row.faults})

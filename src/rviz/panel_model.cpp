@@ -232,8 +232,10 @@ ActuatorRow makeRow(const ActuatorState& message, std::size_t i, bool fresh) {
   row.high = valueAt(message.limit_max, i, 0) * unit.per_si;
   row.applied = valueAt(message.applied, i) * unit.per_si;
   row.measured = valueAt(message.measured, i) * unit.per_si;
-  row.applied_text = formatNumber(row.applied, unit.decimals, unit.name);
-  row.measured_text = formatNumber(row.measured, unit.decimals, unit.name);
+  const auto format = [&unit](double shown) { return formatNumber(shown, unit.decimals, unit.name); };
+  if (row.high > row.low) row.range = format(row.low) + " to " + format(row.high);
+  row.applied_text = format(row.applied);
+  row.measured_text = format(row.measured);
   row.effort = formatQuantity(valueAt(message.effort, i), effortUnitOf(mode));
   row.temperature = formatTemperature(valueAt(message.temperature, i));
   row.zero_valid = valueAt(message.zero_valid, i, 0) != 0;

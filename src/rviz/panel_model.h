@@ -43,7 +43,7 @@ struct ActuatorRow {
   Tone tone = Tone::kPlain;          ///< kBad at fault, kCaution when not read, kStale
   double low = 0, high = 0;          ///< the driver's own range; equal when it is not known
   double applied = 0, measured = 0;  ///< not finite when not known
-  std::string applied_text, measured_text, effort, temperature;
+  std::string range, applied_text, measured_text, effort, temperature;
   bool zero_valid = false;
   std::string faults;  ///< in words, empty when healthy
 };

@@ -86,11 +86,11 @@ TEST(PanelModel, namesEveryState) {
   EXPECT_EQ(viewOf(makeDriver(200)).driver.tone, Tone::kBad);
 }
 
-// The table of the user guide, section "Driver states".
+// The transitions in driver_state.h, but `init` where a driver that holds would lose its zeros.
 TEST(PanelModel, offersWhatTheDriverTakes) {
   using S = ActuatorState;
   EXPECT_EQ(statesThatAllow(Verb::kInit, false), (std::set<int>{S::OFF, S::SAFE, S::FAULT}));
-  EXPECT_EQ(statesThatAllow(Verb::kRecover, false), (std::set<int>{S::HOLDING, S::SAFE, S::FAULT}));
+  EXPECT_EQ(statesThatAllow(Verb::kRecover, false), (std::set<int>{S::OFF, S::HOLDING, S::SAFE, S::FAULT}));
   EXPECT_EQ(statesThatAllow(Verb::kHalt, false), (std::set<int>{S::INITIALISING, S::READY, S::ACTIVE, S::HOLDING}));
   EXPECT_EQ(statesThatAllow(Verb::kEnable, false), (std::set<int>{S::READY, S::ACTIVE, S::HOLDING}));
 }
@@ -199,6 +199,7 @@ TEST(PanelModel, showsACableInMillimetresAndAChamberInKilopascals) {
   EXPECT_EQ(cable.measured_text, "12.30 mm");
   EXPECT_EQ(cable.effort, "3.3 N");
   EXPECT_EQ(cable.temperature, "31 °C");
+  EXPECT_EQ(cable.range, "-30.00 mm to 60.00 mm");
   EXPECT_NEAR(cable.low, -30, 1e-12);
   EXPECT_NEAR(cable.high, 60, 1e-12);
   EXPECT_NEAR(cable.measured, 12.3, 1e-12);
@@ -247,6 +248,7 @@ TEST(PanelModel, survivesShortArraysAndNumbersThatAreNone) {
   EXPECT_EQ(view.actuators[0].measured_text, "–");
   EXPECT_EQ(view.actuators[0].applied_text, "–");
   EXPECT_EQ(view.actuators[0].low, view.actuators[0].high) << "the range is not known";
+  EXPECT_EQ(view.actuators[0].range, "");
   EXPECT_NE(view.actuators[0].tone, Tone::kPlain) << "nothing was measured";
 }
 
