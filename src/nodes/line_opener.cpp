@@ -3,13 +3,10 @@
 #include <ros/param.h>
 #include <ros/time.h>
 
-#include <memory>
 #include <string>
-#include <utility>
 
+#include "sinew/hardware/port_opener.h"
 #include "sinew/hardware/serial_port.h"
-#include "sinew/hardware/slcan_port.h"
-#include "sinew/hardware/socket_can.h"
 
 namespace sinew {
 namespace {
@@ -28,40 +25,16 @@ bool isForbidden(const BusDescription& bus, bool simulated, std::string& why) {
   return true;
 }
 
-std::shared_ptr<ByteStream> openSerial(const BusDescription& bus, std::string& why) {
-  auto port = std::make_shared<SerialPort>();
-  if (port->open(bus.port, bus.baud)) return port;
-  why = port->error();
-  return nullptr;
-}
-
-std::shared_ptr<CanPort> openInterface(const BusDescription& bus, std::string& why) {
-  auto port = std::make_shared<SocketCan>();
-  if (port->open(bus.port)) return port;
-  why = port->error();
-  return nullptr;
-}
-
-// A CAN interface of the kernel, or a serial adapter to a bus.
-std::shared_ptr<CanPort> openCan(const BusDescription& bus, std::string& why) {
-  if (bus.isCanInterface()) return openInterface(bus, why);
-  std::shared_ptr<ByteStream> line = openSerial(bus, why);
-  if (line == nullptr) return nullptr;
-  auto port = std::make_shared<SlcanPort>();
-  if (port->open(std::move(line), bus.bitrate)) return port;
-  why = port->error();
-  return nullptr;
-}
-
 }  // namespace
 
 LineOpener makeLineOpener(bool simulated) {
+  const LineOpener ports = makePortOpener();
   LineOpener opener;
-  opener.serial = [simulated](const BusDescription& bus, std::string& why) {
-    return isForbidden(bus, simulated, why) ? nullptr : openSerial(bus, why);
+  opener.serial = [simulated, open = ports.serial](const BusDescription& bus, std::string& why) {
+    return isForbidden(bus, simulated, why) ? nullptr : open(bus, why);
   };
-  opener.can = [simulated](const BusDescription& bus, std::string& why) {
-    return isForbidden(bus, simulated, why) ? nullptr : openCan(bus, why);
+  opener.can = [simulated, open = ports.can](const BusDescription& bus, std::string& why) {
+    return isForbidden(bus, simulated, why) ? nullptr : open(bus, why);
   };
   return opener;
 }
