@@ -107,22 +107,26 @@ class Jog {
   Time next_print_{};
 };
 
+void requireReach(const ActuatorDescription& actuator, double target) {
+  if (target >= actuator.min && target <= actuator.max) return;
+  throw WrongUse("that leads to " + formatDistance(target, actuator.quantity) + ", and only " +
+                 formatDistance(actuator.min, actuator.quantity) + " to " +
+                 formatDistance(actuator.max, actuator.quantity) + " are allowed");
+}
+
 int run(BusSession& session, double distance, double speed) {
   const ActuatorDescription& actuator = session.hardware().actuators.front();
   const double start = session.report().applied.front();
   const double target = start + distance;
-  if (target < actuator.min || target > actuator.max)
-    throw WrongUse("that leads to " + formatDistance(target, actuator.quantity) + ", and the file allows " +
-                   formatDistance(actuator.min, actuator.quantity) + " to " +
-                   formatDistance(actuator.max, actuator.quantity));
+  requireReach(actuator, target);
   const double allowed = std::max(kArrivedShare * std::abs(distance), actuator.seedTolerance());
   Jog jog(session, speed);
   bool whole = jog.moveTo(target, allowed);
   const double reached = jog.measured();
   whole = whole && jog.moveTo(start, allowed);
   if (!whole) {
-    std::printf("stopped at %s: %s\n", formatDistance(jog.measured(), actuator.quantity).c_str(),
-                isStopAsked() ? "asked to" : session.report().reason.c_str());
+    std::printf("ended at %s: %s\n", formatDistance(jog.measured(), actuator.quantity).c_str(),
+                session.whyNot().c_str());
     return kNotWell;
   }
   std::printf("%s moved by %s of %s, with at most %s, and is back at %s\n", actuator.name.c_str(),
@@ -145,13 +149,14 @@ int jog(const HardwareDescription& robot, const JogOrder& order) {
   const double speed = chooseSpeed(actuator, order.speed);
   if (!order.tension.empty()) limitTension(actuator, order.tension);
   if (!order.pressure.empty()) limitPressure(actuator, order.pressure);
+  if (actuator.quantity == Quantity::kDisplacement) requireReach(actuator, distance);  // it is found at 0
   const std::string deed = actuator.name + " goes by " + formatDistance(distance, actuator.quantity) + " at " +
                            formatDistance(speed, actuator.quantity) +
                            "/s and back, and is let go. Every other actuator stays off.";
   if (!isAllowed(deed, order.yes)) return kDone;
   BusSession session(hardware);
   if (!session.setUp()) {
-    std::printf("%s\n", isStopAsked() ? "stopped" : session.report().reason.c_str());
+    std::printf("%s\n", session.whyNot().c_str());
     return kNotWell;
   }
   return run(session, distance, speed);

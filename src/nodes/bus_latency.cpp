@@ -65,7 +65,7 @@ double measure(const HardwareDescription& hardware, int cycles) {
   std::printf("bus %s at %s\n", bus.name.c_str(), bus.port.c_str());
   BusSession session(hardware);
   if (!session.setUp()) {
-    std::printf("  %s\n", isStopAsked() ? "stopped" : session.report().reason.c_str());
+    std::printf("  %s\n", session.whyNot().c_str());
     return -1;
   }
   printAdapter(bus);
@@ -78,7 +78,7 @@ double measure(const HardwareDescription& hardware, int cycles) {
     times.add(seconds(Clock::now() - begin));
   }
   if (session.report().state != DriverState::kReady || times.size() == 0) {
-    std::printf("  %s\n", session.report().reason.c_str());
+    std::printf("  %s\n", session.whyNot().c_str());
     return -1;
   }
   printTimes(times);

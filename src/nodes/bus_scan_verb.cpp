@@ -63,7 +63,7 @@ Findings searchSerial(BusDescription bus, int baud, const ScanOrder& order) {
   const ScanProgress progress = showProgress("asking at " + std::to_string(baud) + " baud");
   const auto search = bus.type == BusType::kDynamixel ? findServos : findBoards;
   findings.devices = search(*line, baud, duration(bus.reply_timeout), rangeOf(bus, order), progress);
-  std::printf("  %d baud: %zu answer%s\n", baud, findings.devices.size(), findings.devices.size() == 1 ? "s" : "");
+  std::printf("  %d baud: %zu found\n", baud, findings.devices.size());
   return findings;
 }
 

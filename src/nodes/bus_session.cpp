@@ -55,23 +55,39 @@ void homeWhereFound(HardwareDescription& hardware) {
 }
 
 BusSession::BusSession(const HardwareDescription& hardware)
-    : hardware_(hardware), driver_(hardware, makeBusGroup(hardware, makePortOpener())), next_(Clock::now()) {}
+    : hardware_(hardware),
+      driver_(hardware, makeBusGroup(hardware, makePortOpener())),
+      emergency_stop_(hardware.emergency_stop.input),
+      next_(Clock::now()) {}
+
+void BusSession::lookAtEmergencyStop() {
+  if (hardware_.emergency_stop.input.empty()) return;
+  emergency_stop_.update(Duration{0});
+  driver_.setEmergencyStop(emergency_stop_.pressed());
+}
 
 bool BusSession::setUp() {
+  lookAtEmergencyStop();
   driver_.request(DriverRequest::kInit);
   while (!isStopAsked() && cycle().state == DriverState::kInitialising) {
   }
   return report().state == DriverState::kReady;
 }
 
+std::string BusSession::whyNot() const {
+  if (isStopAsked()) return "stopped";
+  return report().emergency_stop ? "the emergency stop is pressed, or its device cannot be read" : report().reason;
+}
+
 const DriverReport& BusSession::cycle() {
   std::this_thread::sleep_until(next_);
-  const DriverReport& report = driver_.update(Clock::now());
+  cycleNow();
   next_ = std::max(next_ + duration(period()), Clock::now());
-  return report;
+  return report();
 }
 
 const DriverReport& BusSession::cycleNow() {
+  lookAtEmergencyStop();
   return driver_.update(Clock::now());
 }
 

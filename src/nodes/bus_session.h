@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sinew/hardware/emergency_stop_input.h"
 #include "sinew/hardware/hardware_driver.h"
 
 namespace sinew {
@@ -26,8 +27,10 @@ class BusSession {
   BusSession(const BusSession&) = delete;
   BusSession& operator=(const BusSession&) = delete;
 
-  /// Connects, homes and switches on. False when a device is not well (`report().reason`) or a stop was asked for.
+  /// Connects, homes and switches on. False when a device is not well or a stop was asked for; see `whyNot`.
   bool setUp();
+  /// Why a robot that is not ready is not.
+  std::string whyNot() const;
   /// One cycle, in its time.
   const DriverReport& cycle();
   /// One cycle at once.
@@ -42,8 +45,11 @@ class BusSession {
   double period() const { return 1 / hardware_.rate; }
 
  private:
+  void lookAtEmergencyStop();
+
   HardwareDescription hardware_;
   HardwareDriver driver_;
+  EmergencyStopInput emergency_stop_;
   Time next_;
   std::uint32_t sequence_ = 0;
 };

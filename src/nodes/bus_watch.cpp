@@ -41,7 +41,9 @@ class ReadingTable {
 
 int watch(HardwareDescription hardware, const WatchOrder& order) {
   homeWhereFound(hardware);
-  if (!isAllowed("Every device is switched on where it stands, and let go at the end. Nothing is to move.", order.yes))
+  if (!isAllowed("Every device is switched on where it stands, and let go at the end. Nothing is to move. "
+                 "Cables\ncount from where they are found.",
+                 order.yes))
     return kDone;
   BusSession session(hardware);
   const bool ready = session.setUp();

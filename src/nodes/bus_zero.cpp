@@ -50,7 +50,7 @@ int zero(const HardwareDescription& hardware, const ZeroOrder& order) {
   if (!isAllowed(deed + "Cables that are reeled in move the robot.", order.yes)) return kDone;
   BusSession session(hardware);
   if (!session.setUp()) {
-    std::printf("%s\n", isStopAsked() ? "stopped" : session.report().reason.c_str());
+    std::printf("%s\n", session.whyNot().c_str());
     return kNotWell;
   }
   std::printf("homed:\n");
