@@ -33,7 +33,7 @@ Brings the devices of a robot up, without a ROS master. HARDWARE.yaml is the rob
   bus zero HARDWARE.yaml                    homes, and writes down what the devices count at zero
   bus latency HARDWARE.yaml                 how long do the bus's cycles take?
 
-bus VERB --help tells more. Exit code 0 when all is well, 1 when a device or the robot is not, 2 for a wrong command line.
+bus VERB --help tells more. Exit code 0 when all is well, 1 when a device or the robot is not, 2 for a wrong line.
 )";
 
 constexpr char kScanUsage[] =

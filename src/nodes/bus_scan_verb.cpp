@@ -17,6 +17,7 @@ namespace sinew {
 namespace {
 
 constexpr int kServoBauds[] = {57600, 1000000, 2000000, 3000000, 4000000, 115200, 9600};
+constexpr int kWordsWidth = 46;
 constexpr int kBoardBauds[] = {115200, 1000000, 500000, 57600};
 
 const char* describe(BusType type) {
@@ -103,7 +104,9 @@ Findings searchCan(const BusDescription& bus, const ScanOrder& order) {
 }
 
 void printDevice(const BusDevice& device, const std::string& role) {
-  std::printf("  %-14s %3d  %-46s  %s\n", describe(device.type), device.id, device.words.c_str(), role.c_str());
+  const int width = role.empty() ? 0 : kWordsWidth;
+  std::printf("  %-14s %3d  %-*s%s%s\n", describe(device.type), device.id, width, device.words.c_str(),
+              role.empty() ? "" : "  ", role.c_str());
 }
 
 const BusDevice* find(const std::vector<BusDevice>& devices, const BusDevice& wanted) {

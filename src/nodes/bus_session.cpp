@@ -1,13 +1,17 @@
 #include "bus_session.h"
 
 #include <signal.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <thread>
 
 #include "sinew/hardware/device_factory.h"
 #include "sinew/hardware/port_opener.h"
+#include "zero_file.h"
 
 namespace sinew {
 namespace {
@@ -19,6 +23,17 @@ volatile sig_atomic_t stop_asked = 0;
 
 void askToStop(int) {
   stop_asked = 1;
+}
+
+// Whether the zeros in a file are of any of these; one that cannot be read may be of all.
+bool namesAny(const std::string& path, const std::vector<std::string>& actuators) {
+  try {
+    const YAML::Node zeros = YAML::LoadFile(path);
+    return std::any_of(actuators.begin(), actuators.end(),
+                       [&](const std::string& name) { return static_cast<bool>(zeros[name]); });
+  } catch (const YAML::Exception&) {
+    return true;
+  }
 }
 
 }  // namespace
@@ -54,6 +69,17 @@ void homeWhereFound(HardwareDescription& hardware) {
   for (ActuatorDescription& actuator : hardware.actuators) actuator.cable.homing = HomingDescription();
 }
 
+void forgetZeros(const std::vector<std::string>& actuators) {
+  const std::filesystem::path folder = std::filesystem::path(makeZeroPath("")).parent_path();
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
+    const std::string file = entry.path().filename().string();
+    if (file.rfind("sinew_zeros", 0) != 0 || !namesAny(entry.path().string(), actuators)) continue;
+    std::filesystem::remove(entry.path(), none);
+    std::printf("%s is removed: the driver homes again at its next start\n", entry.path().c_str());
+  }
+}
+
 BusSession::BusSession(const HardwareDescription& hardware)
     : hardware_(hardware),
       driver_(hardware, makeBusGroup(hardware, makePortOpener())),
@@ -67,6 +93,7 @@ void BusSession::lookAtEmergencyStop() {
 }
 
 bool BusSession::setUp() {
+  forgetZeros(hardware_.names());
   lookAtEmergencyStop();
   driver_.request(DriverRequest::kInit);
   while (!isStopAsked() && cycle().state == DriverState::kInitialising) {

@@ -18,6 +18,10 @@ HardwareDescription select(const HardwareDescription& hardware, const std::vecto
 /// Lets set-up find every cable where it is, so that none moves.
 void homeWhereFound(HardwareDescription& hardware);
 
+/// Removes what drivers have kept of the zeros of these actuators. A servo that has lost its zero shows it only until
+/// it is set up again, so that a driver must not trust what it kept from before.
+void forgetZeros(const std::vector<std::string>& actuators);
+
 /// The driver's loop at a terminal: sets devices up, keeps them at work, and lets go at the end, whatever happens.
 class BusSession {
  public:
@@ -27,7 +31,8 @@ class BusSession {
   BusSession(const BusSession&) = delete;
   BusSession& operator=(const BusSession&) = delete;
 
-  /// Connects, homes and switches on. False when a device is not well or a stop was asked for; see `whyNot`.
+  /// Connects, homes and switches on; zeros of before are forgotten. False when a device is not well or a stop was
+  /// asked for; see `whyNot`.
   bool setUp();
   /// Why a robot that is not ready is not.
   std::string whyNot() const;

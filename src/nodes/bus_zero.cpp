@@ -30,11 +30,12 @@ bool print(const HardwareDescription& hardware, const DriverReport& report) {
     const double counts = report.zero_counts[i];
     const bool keeps = std::isfinite(counts);
     any = any || keeps;
-    std::printf("  %-*s  %-34s", width, hardware.actuators[i].name.c_str(), describe(hardware.actuators[i]));
+    const bool pressure = hardware.actuators[i].quantity == Quantity::kPressure;
+    std::printf("  %-*s  %s", width, hardware.actuators[i].name.c_str(), describe(hardware.actuators[i]));
     if (keeps)
-      std::printf("  counts %.0f at zero\n", counts);
+      std::printf("; counts %.0f at zero\n", counts);
     else
-      std::printf("  its count is not kept\n");
+      std::printf(pressure ? "\n" : "; its count is not kept\n");
   }
   return any;
 }

@@ -88,6 +88,7 @@ class Bus : public testing::Test {
         hardware(HardwareDescription::load(file)),
         reach_(static_cast<std::size_t>(hardware.size())),
         energised_(static_cast<std::size_t>(hardware.size())) {
+    setenv("ROS_HOME", folder_.c_str(), 1);  // where zeros are kept
     for (int bus = 0; bus < hardware.buses(); ++bus) hardware.connect(bus);
     thread_ = std::thread([this] { move(); });
   }
@@ -261,6 +262,18 @@ TEST_F(Bus, zeroHomesAndWritesWhatIsCounted) {
   std::stringstream text;
   text << written.rdbuf();
   EXPECT_NE(text.str().find("cable_1: "), std::string::npos) << text.str();
+}
+
+TEST_F(Bus, zerosOfBeforeAreForgottenBeforeAnythingIsSetUp) {
+  const std::string own = write("sinew_zeros_hardware_driver.yaml", "cable_1: 12\ncable_2: 30\n");
+  const std::string strange = write("sinew_zeros_other.yaml", "finger_1: 12\n");
+  run("scan --protocol dynamixel2 --ids 1 --port " + hardware.port(0));
+  EXPECT_TRUE(std::ifstream(own)) << "a search sets nothing up";
+  const Answer answer = run("jog " + file + " cable_1 2mm --speed 20mm/s --yes");
+  EXPECT_EQ(answer.code, 0) << answer.words;
+  expectWords(answer, {own + " is removed"});
+  EXPECT_FALSE(std::ifstream(own));
+  EXPECT_TRUE(std::ifstream(strange)) << "another robot's";
 }
 
 TEST_F(Bus, latencyTellsTimesAndTheRate) {
