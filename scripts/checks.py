@@ -261,6 +261,11 @@ CHECKS = (
         [CAN_GUEST],
     ),
     Check(
+        "driver_services",
+        "A driver that is homing for half a minute is halted, stopped by service and topic, and shut down meanwhile.",
+        [rostest("driver_services")],
+    ),
+    Check(
         "bus_load",
         "Twelve servos and four pressure channels at 200 Hz on simulated buses: how regular the driver is beside a bare "
         "sleeping loop in the same run, what it takes of a core, and every command and answer accounted for.",

@@ -28,6 +28,11 @@ HardwareDescription loadDescription(const Parameters& parameters) {
   return description;
 }
 
+std::string findZeroPath(const ros::NodeHandle& private_node) {
+  const std::string path = Parameters(private_node).textOr("zero_file", makeZeroPath(private_node.getNamespace()));
+  return path == "none" ? "" : path;
+}
+
 std::string listPorts(const HardwareDescription& description) {
   std::string list;
   for (const BusDescription& bus : description.buses) list += (list.empty() ? "" : ", ") + bus.port;
@@ -42,12 +47,11 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
       driver_(description_,
               makeBusGroup(description_, makeLineOpener(Parameters(private_node).flagOr("simulated", false)))),
       reader_(description_.names(), description_.quantities()),
-      zeros_(Parameters(private_node).textOr("zero_file", makeZeroPath(private_node.getNamespace()))),
-      for_services_(driver_.report()),
+      zeros_(findZeroPath(private_node)),
       for_diagnostics_(driver_.report()),
       node_(node),
-      service_node_(private_node),
-      service_thread_(service_queue_),
+      patient_(private_node, driver_.report()),
+      urgent_(private_node, driver_.report()),
       diagnostics_(node, private_node),
       emergency_stops_(node, description_.emergency_stop.input, [this] { wake_up_.signal(); }) {
   message_.name = description_.names();
@@ -60,13 +64,12 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
   state_ = node_.advertise<ActuatorState>("actuator_state", 10);
   command_ = node_.subscribe("actuator_command", kCommandBacklog, &HardwareDriverNode::onCommand, this,
                              ros::TransportHints().tcpNoDelay());
-  service_node_.setCallbackQueue(&service_queue_);
-  advertiseVerb("init", DriverRequest::kInit);
-  advertiseVerb("home", DriverRequest::kHome);
-  advertiseVerb("recover", DriverRequest::kRecover);
-  advertiseVerb("halt", DriverRequest::kHalt);
-  advertiseVerb("emergency_stop", DriverRequest::kEmergency);
-  advertiseVerb("shutdown", DriverRequest::kShutdown);
+  advertiseVerb(patient_, "init", DriverRequest::kInit);
+  advertiseVerb(patient_, "home", DriverRequest::kHome);
+  advertiseVerb(patient_, "recover", DriverRequest::kRecover);
+  advertiseVerb(urgent_, "halt", DriverRequest::kHalt);
+  advertiseVerb(urgent_, "emergency_stop", DriverRequest::kEmergency);
+  advertiseVerb(urgent_, "shutdown", DriverRequest::kShutdown);
   diagnostics_.setHardwareID(listPorts(description_));
   diagnostics_.add("hardware driver", this, &HardwareDriverNode::diagnose);
   diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) {
@@ -74,23 +77,23 @@ HardwareDriverNode::HardwareDriverNode(ros::NodeHandle node, ros::NodeHandle pri
     zeros_.update(message_.name, for_diagnostics_.front().zero_counts);
   });
   restoreZeros();
-  service_thread_.start();
+  patient_.start();
+  urgent_.start();
   bus_ = std::thread(&HardwareDriverNode::runBus, this);
 }
 
 HardwareDriverNode::~HardwareDriverNode() {
-  service_thread_.stop();
   running_ = false;
+  patient_.stop();
+  urgent_.stop();
   wake_up_.signal();
   bus_.join();
 }
 
-void HardwareDriverNode::advertiseVerb(const std::string& verb, DriverRequest request) {
-  using Callback = boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)>;
-  const Callback callback = [this, verb, request](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    return onVerb(verb, request, response);
-  };
-  verbs_.push_back(service_node_.advertiseService(verb, callback));
+void HardwareDriverNode::advertiseVerb(ServiceLane& lane, const std::string& verb, DriverRequest request) {
+  lane.advertise(verb, [this, &lane, verb, request](std_srvs::Trigger::Response& response) {
+    onVerb(lane, verb, request, response);
+  });
 }
 
 void HardwareDriverNode::restoreZeros() {
@@ -110,15 +113,22 @@ void HardwareDriverNode::onCommand(const ActuatorCommand::ConstPtr& message) {
   wake_up_.signal();
 }
 
-bool HardwareDriverNode::onVerb(const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response) {
+// Hands a request to the bus thread; whether it was taken.
+bool HardwareDriverNode::hand(DriverRequest request) {
+  const std::lock_guard<std::mutex> lock(request_mutex_);
   answer_ = Answer::kWaiting;
   request_ = static_cast<int>(request);
   wake_up_.signal();
   while (answer_ == Answer::kWaiting && running_) ros::WallDuration(0.001).sleep();
-  const bool taken = answer_ == Answer::kTaken;
-  const bool settled = taken && settle(request);
-  for_services_.update();
-  const DriverReport& report = for_services_.front();
+  return answer_ == Answer::kTaken;
+}
+
+void HardwareDriverNode::onVerb(ServiceLane& lane, const std::string& verb, DriverRequest request,
+                                std_srvs::Trigger::Response& response) {
+  const bool taken = hand(request);
+  const bool settled = taken && settle(lane, request);
+  lane.reports.update();
+  const DriverReport& report = lane.reports.front();
   const std::string state = name(report.state) + (report.reason.empty() ? "" : ": " + report.reason) +
                             (report.emergency_stop ? "; the emergency stop is pressed" : "");
   const bool nothing_to_do = request == DriverRequest::kRecover && !taken && takesCommands(report.state);
@@ -126,15 +136,14 @@ bool HardwareDriverNode::onVerb(const std::string& verb, DriverRequest request, 
   response.message = taken           ? state
                      : nothing_to_do ? "nothing to recover from: " + state
                                      : verb + " is not possible now (" + state + ")";
-  return true;
 }
 
 // Waits until the request has led where it should, or elsewhere.
-bool HardwareDriverNode::settle(DriverRequest request) {
+bool HardwareDriverNode::settle(ServiceLane& lane, DriverRequest request) {
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(kServiceTimeout);
   for (; running_ && ros::WallTime::now() < deadline; ros::WallDuration(0.005).sleep()) {
-    for_services_.update();
-    const DriverReport& report = for_services_.front();
+    lane.reports.update();
+    const DriverReport& report = lane.reports.front();
     if (report.state == DriverState::kInitialising || report.relaxing) continue;
     if (request == DriverRequest::kHalt) return report.state == DriverState::kSafe;
     if (request == DriverRequest::kEmergency) return isSafe(report.state);
@@ -155,10 +164,15 @@ void HardwareDriverNode::runBus() {
     commanded = takeInputs();
     last = Clock::now();
     const DriverReport& report = driver_.update(last);
-    for_services_.write(report);
+    writeForServices(report);
     for_diagnostics_.write(report);
     publish(report);
   }
+}
+
+void HardwareDriverNode::writeForServices(const DriverReport& report) {
+  patient_.reports.write(report);
+  urgent_.reports.write(report);
 }
 
 void HardwareDriverNode::waitForCycle(Time last, bool commanded) {
@@ -174,7 +188,7 @@ bool HardwareDriverNode::takeInputs() {
   if (request != kNoRequest) {
     auto_init_ = false;
     const bool taken = driver_.request(static_cast<DriverRequest>(request));
-    for_services_.write(driver_.report());  // the outcome must not be read from a report of before
+    writeForServices(driver_.report());  // the outcome must not be read from a report of before
     answer_ = taken ? Answer::kTaken : Answer::kRefused;
   }
   retryInit();
@@ -271,10 +285,11 @@ void HardwareDriverNode::shutDown() {
   wake_up_.signal();
   const double limit = description_.relax_time + kSwitchOffTime;
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(limit);
-  service_thread_.stop();
+  patient_.stop();
+  urgent_.stop();
   for (; ros::WallTime::now() < deadline; ros::WallDuration(0.01).sleep()) {
-    for_services_.update();
-    const DriverReport& report = for_services_.front();
+    urgent_.reports.update();
+    const DriverReport& report = urgent_.reports.front();
     if (request_ == kNoRequest && report.state == DriverState::kOff && !report.relaxing) return;
   }
   ROS_WARN("the actuators could not be switched off; their own watchdogs stop them");

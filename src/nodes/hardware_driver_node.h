@@ -1,19 +1,18 @@
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
-#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <sinew/ActuatorCommand.h>
 #include <sinew/ActuatorState.h>
-#include <std_srvs/Trigger.h>
 
 #include <atomic>
+#include <mutex>
 #include <string>
 #include <thread>
 
-#include "callback_thread.h"
 #include "emergency_stops.h"
 #include "hardware_driver_wake_up.h"
+#include "service_lane.h"
 #include "sinew/common/newest_wins.h"
 #include "sinew/hardware/command_queue.h"
 #include "sinew/hardware/hardware_driver.h"
@@ -39,12 +38,14 @@ class HardwareDriverNode {
   static constexpr int kNoRequest = -1;
   enum class Answer { kWaiting, kRefused, kTaken };
 
-  void advertiseVerb(const std::string& verb, DriverRequest request);
+  void advertiseVerb(ServiceLane& lane, const std::string& verb, DriverRequest request);
+  bool hand(DriverRequest request);
   void onCommand(const ActuatorCommand::ConstPtr& message);
-  bool onVerb(const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response);
-  bool settle(DriverRequest request);
+  void onVerb(ServiceLane& lane, const std::string& verb, DriverRequest request, std_srvs::Trigger::Response& response);
+  bool settle(ServiceLane& lane, DriverRequest request);
   void restoreZeros();
   void runBus();
+  void writeForServices(const DriverReport& report);
   void waitForCycle(Time last, bool commanded);
   bool takeInputs();
   void retryInit();
@@ -63,13 +64,12 @@ class HardwareDriverNode {
   std::atomic<std::uint64_t> overruns_{0};
   std::atomic<bool> running_{true};
   Time last_attempt_{};
-  NewestWins<DriverReport> for_services_, for_diagnostics_;
+  NewestWins<DriverReport> for_diagnostics_;
 
   ros::NodeHandle node_;
-  ros::CallbackQueue service_queue_;
-  ros::NodeHandle service_node_;
-  CallbackThread service_thread_;
-  std::vector<ros::ServiceServer> verbs_;
+  ServiceLane patient_;  // what may take its time
+  ServiceLane urgent_;   // what must not wait for that
+  std::mutex request_mutex_;
   ros::Publisher state_;
   ActuatorState message_;
   ros::Subscriber command_;
