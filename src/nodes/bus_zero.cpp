@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -21,6 +22,12 @@ const char* describe(const ActuatorDescription& actuator) {
       break;
   }
   return "where it was found";
+}
+
+bool movesAny(const HardwareDescription& hardware) {
+  return std::any_of(hardware.actuators.begin(), hardware.actuators.end(), [](const ActuatorDescription& actuator) {
+    return actuator.cable.homing.method != HomingMethod::kPresent;
+  });
 }
 
 bool print(const HardwareDescription& hardware, const DriverReport& report) {
@@ -48,7 +55,8 @@ int zero(const HardwareDescription& hardware, const ZeroOrder& order) {
   std::string deed = "Every device is switched on and homed as the file says:\n";
   for (const ActuatorDescription& actuator : hardware.actuators)
     deed += "  " + actuator.name + ": " + describe(actuator) + "\n";
-  if (!isAllowed(deed + "Cables that are reeled in move the robot.", order.yes)) return kDone;
+  deed += movesAny(hardware) ? "The robot moves." : "Nothing is to move.";
+  if (!isAllowed(deed, order.yes)) return kDone;
   BusSession session(hardware);
   if (!session.setUp()) {
     std::printf("%s\n", session.whyNot().c_str());
