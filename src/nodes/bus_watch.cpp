@@ -22,7 +22,8 @@ class ReadingTable {
     printLine(makeReadingHeader(width_));
     for (std::size_t i = 0; i < names_.size(); ++i)
       printLine(makeReadingRow(names_[i], width_, quantities_[i], report.actuators[i]));
-    printLine(std::string(name(report.state)) + ": " + report.reason);
+    printLine(std::string(name(report.state)) + ": " + report.reason +
+              (report.emergency_stop ? "; the emergency stop is pressed, or its device cannot be read" : ""));
     std::fflush(stdout);
   }
 

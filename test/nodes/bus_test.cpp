@@ -276,6 +276,18 @@ TEST_F(Bus, zerosOfBeforeAreForgottenBeforeAnythingIsSetUp) {
   EXPECT_TRUE(std::ifstream(strange)) << "another robot's";
 }
 
+TEST_F(Bus, nothingGoesOnWhileTheEmergencyStopIsPressed) {
+  std::string text = makeYaml(file.substr(0, file.rfind('/')));
+  text.replace(text.find("  rate:"), 0, "  emergency_stop: {input: /dev/input/nowhere}\n");
+  const std::string stopped = write("stopped.yaml", text);
+  for (const std::string& verb : {"jog " + stopped + " cable_1 5mm", "watch " + stopped, "latency " + stopped}) {
+    const Answer answer = run(verb + " --yes");
+    EXPECT_EQ(answer.code, 1) << verb;
+    expectWords(answer, {"the emergency stop is pressed"});
+  }
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(wasEnergised(i));
+}
+
 TEST_F(Bus, latencyTellsTimesAndTheRate) {
   const Answer answer = run("latency " + file + " --cycles 20 --yes");
   EXPECT_EQ(answer.code, 0) << answer.words;
