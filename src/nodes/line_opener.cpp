@@ -1,8 +1,10 @@
 #include "line_opener.h"
 
+#include <ros/console.h>
 #include <ros/param.h>
 #include <ros/time.h>
 
+#include <memory>
 #include <string>
 
 #include "sinew/hardware/port_opener.h"
@@ -25,13 +27,25 @@ bool isForbidden(const BusDescription& bus, bool simulated, std::string& why) {
   return true;
 }
 
+// An adapter that sits on bytes is slower than a cycle; nothing else tells so at the start.
+void warnOfLatency(const BusDescription& bus, const ByteStream* line) {
+  const auto* port = dynamic_cast<const SerialPort*>(line);
+  if (port == nullptr || port->lowLatency() || isPseudoTerminal(bus.port)) return;
+  ROS_WARN(
+      "%s does not know low latency: FTDI adapters then wait 16 ms; see the udev rule in docs/hardware.md, and "
+      "measure with `rosrun sinew bus latency`",
+      bus.port.c_str());
+}
+
 }  // namespace
 
 LineOpener makeLineOpener(bool simulated) {
   const LineOpener ports = makePortOpener();
   LineOpener opener;
   opener.serial = [simulated, open = ports.serial](const BusDescription& bus, std::string& why) {
-    return isForbidden(bus, simulated, why) ? nullptr : open(bus, why);
+    std::shared_ptr<ByteStream> line = isForbidden(bus, simulated, why) ? nullptr : open(bus, why);
+    warnOfLatency(bus, line.get());
+    return line;
   };
   opener.can = [simulated, open = ports.can](const BusDescription& bus, std::string& why) {
     return isForbidden(bus, simulated, why) ? nullptr : open(bus, why);

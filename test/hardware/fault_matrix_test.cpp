@@ -229,6 +229,7 @@ const std::vector<Fault>& faults() {
     std::vector<Fault> list;
     list.push_back(makeLineFault("silence", &LineFaults::drop, 1));
     list.push_back(makeLineFault("corrupt", &LineFaults::corrupt, 1));
+    list.push_back(makeLineFault("late", &LineFaults::delay, 1));
     Fault f;
     f.name = "disconnect";
     f.begin = [](Bench& b, const Kind&) { b.hardware.plugged = false; };
@@ -333,14 +334,15 @@ TEST_P(FaultMatrix, ReactsInTimeAndRecoversWithoutMoving) {
       if (fault.has(kind, condition)) runCell(kind, fault, condition);
 }
 
-// What a bad line does to one packet in twenty changes nothing but counters.
+// What a bad line does to one packet in twenty changes nothing but counters, and neither does one that comes twice.
 TEST_P(FaultMatrix, RidesOutABadLine) {
   const Kind& kind = kKinds[static_cast<std::size_t>(GetParam())];
   for (const Condition condition : {Condition::kIdle, Condition::kMoving, Condition::kLoaded}) {
     Bench b(kind, condition);
     ASSERT_TRUE(b.start()) << b.driver.report().reason;
     LineFaults faults;
-    faults.corrupt = faults.drop = faults.delay = faults.duplicate = 0.0125;
+    faults.corrupt = faults.drop = faults.delay = 0.0125;
+    faults.duplicate = 0.5;
     faults.delay_time = 0.004;
     bus(b).setLineFaults(faults);
     const DriverState state = b.driver.report().state;
@@ -348,6 +350,7 @@ TEST_P(FaultMatrix, RidesOutABadLine) {
     checkAtLeast(("fault_matrix.ride_out." + kind.name + "." + name(condition)).c_str(), std::min(left, 10.0), 10, "s");
     EXPECT_EQ(b.driver.report().state, state) << b.driver.report().reason;
     EXPECT_GT(bus(b).lineFaultCounts().dropped, 0u);
+    EXPECT_GT(bus(b).lineFaultCounts().duplicated, 100u);
   }
 }
 
