@@ -20,6 +20,8 @@ class AnswerQueue {
 
   /// Bytes of the master occupied the line from `start` on; returns when they are over.
   Time occupy(std::size_t bytes, Time start);
+  /// When the last frame so far has left the line.
+  Time lineFree() const { return line_free_; }
   /// A frame of a device that may begin to send at `ready`.
   void send(Bytes frame, Time ready);
   /// Frames due at `now` that fit into `capacity` bytes; returns how many bytes those are.

@@ -1,19 +1,15 @@
 #pragma once
 
-#include <atomic>
-#include <mutex>
-#include <thread>
 #include <vector>
 
 #include "sinew/hardware/answer_queue.h"
-#include "sinew/hardware/byte_stream.h"
-#include "sinew/hardware/simulated_bus.h"
 #include "sinew/hardware/simulated_pressure_board.h"
+#include "sinew/hardware/simulated_serial_bus.h"
 
 namespace sinew {
 
 /// Simulated pressure boards on one serial line.
-class SimulatedPressureBus : public SimulatedBus {
+class SimulatedPressureBus : public SimulatedSerialBus {
  public:
   /// The board and channel of an actuator.
   struct Place {
@@ -24,20 +20,9 @@ class SimulatedPressureBus : public SimulatedBus {
   /// One board per address that `places` names. Throws ConfigError for an address or channel that no board has.
   explicit SimulatedPressureBus(const std::vector<Place>& places, int baud = 1000000,
                                 const SimulatedPressureBoard::Parameters& parameters = {});
-  ~SimulatedPressureBus() override;
+  ~SimulatedPressureBus() override { stop(); }
 
   int size() const override { return static_cast<int>(places_.size()); }
-  void start(ByteStream& line) override;
-  void stop() override;
-  /// Serves once from the calling thread: waits up to `timeout` for bytes or for an answer that falls due.
-  StreamStatus poll(ByteStream& line, Duration timeout);
-
-  /// The line's two halves, for a line without a stream: bytes that arrive at `now`, ...
-  void receive(const std::uint8_t* data, std::size_t size, Time now);
-  /// ... bytes due at `now` (at most `capacity`; returns how many), ...
-  std::size_t transmit(std::uint8_t* data, std::size_t capacity, Time now);
-  /// ... and when the next ones fall due; Time::max() when none wait.
-  Time nextDue() const;
 
   void step(double dt) override;
   void setLoadTorque(int, double) override {}
@@ -45,8 +30,6 @@ class SimulatedPressureBus : public SimulatedBus {
   double pressure(int i) const override;
   bool energised(int i) const override;
 
-  void setLineFaults(const LineFaults& faults) override;
-  LineFaultCounts lineFaultCounts() const override;
   void setFrozen(int i, bool frozen) override;
   void setTemperature(int i, double temperature) override;
   void setSupplyVoltage(double voltage) override;
@@ -62,18 +45,13 @@ class SimulatedPressureBus : public SimulatedBus {
     std::size_t board = 0;
     int channel = 0;
   };
-  void serve();
+  void take(const std::uint8_t* data, std::size_t size, Time now) override;
   SimulatedPressureBoard& boardOf(int i) { return boards_[placeOf(i).board]; }
   const Located& placeOf(int i) const { return places_.at(static_cast<std::size_t>(i)); }
 
-  mutable std::mutex mutex_;
   std::vector<SimulatedPressureBoard> boards_;
   std::vector<Located> places_;
-  AnswerQueue answers_;
   std::vector<AnswerQueue::Bytes> frames_;
-  std::thread thread_;
-  std::atomic<bool> running_{false};
-  ByteStream* line_ = nullptr;
 };
 
 }  // namespace sinew

@@ -1,17 +1,10 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <deque>
-#include <mutex>
-#include <random>
-#include <thread>
 #include <vector>
 
-#include "sinew/hardware/byte_stream.h"
 #include "sinew/hardware/dynamixel_packet.h"
-#include "sinew/hardware/line_faults.h"
-#include "sinew/hardware/simulated_bus.h"
+#include "sinew/hardware/simulated_serial_bus.h"
 #include "sinew/hardware/simulated_servo.h"
 
 namespace sinew {
@@ -27,7 +20,7 @@ namespace sinew {
 ///
 /// Servos are addressed by index 0 .. size()-1, in the order of the ids given. Every member may be called from any
 /// thread.
-class SimulatedServoBus : public SimulatedBus {
+class SimulatedServoBus : public SimulatedSerialBus {
  public:
   /// `ids`: bus ids, each once, 0 .. 252. `baud` sets the time that packets spend on the line.
   explicit SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud = 1000000,
@@ -35,7 +28,7 @@ class SimulatedServoBus : public SimulatedBus {
   /// Servos of different models.
   SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud,
                     const std::vector<SimulatedServo::Parameters>& parameters);
-  ~SimulatedServoBus() override;
+  ~SimulatedServoBus() override { stop(); }
   SimulatedServoBus(const SimulatedServoBus&) = delete;
   SimulatedServoBus& operator=(const SimulatedServoBus&) = delete;
 
@@ -59,27 +52,8 @@ class SimulatedServoBus : public SimulatedBus {
   /// is the sum of the steps.
   void step(double dt) override;
 
-  // --- Serving a line ---
-
-  /// Answers from a thread of its own until `stop()` or destruction. `line` must live as long.
-  void start(ByteStream& line) override;
-  void stop() override;
-  /// Serves once from the calling thread: waits up to `timeout` for bytes or for an answer that falls due, takes and
-  /// sends what there is. kClosed when the line is gone, kTimeout when nothing happened.
-  StreamStatus poll(ByteStream& line, Duration timeout);
-
-  /// The line's two halves, for a line without a stream: bytes that arrive at `now`, ...
-  void receive(const std::uint8_t* data, std::size_t size, Time now);
-  /// ... bytes due at `now` (at most `capacity` of them; returns how many), ...
-  std::size_t transmit(std::uint8_t* data, std::size_t capacity, Time now);
-  /// ... and when the next bytes fall due; Time::max() when no answer is waiting.
-  Time nextDue() const;
-
   // --- Faults on request ---
 
-  /// Switches line faults on (or off, with all probabilities 0) and restarts their random numbers.
-  void setLineFaults(const LineFaults& faults) override;
-  LineFaultCounts lineFaultCounts() const override;
   /// A frozen servo neither answers nor moves.
   void setFrozen(int servo, bool frozen) override;
   /// Temperature [degC]; above the servo's limit it raises the overheating alarm and shuts its motor down.
@@ -96,33 +70,16 @@ class SimulatedServoBus : public SimulatedBus {
   SimulatedServo servo(int servo) const;
 
  private:
-  struct Answer {
-    Time due;
-    std::vector<std::uint8_t> bytes;
-  };
-  void serve();
+  void take(const std::uint8_t* data, std::size_t size, Time now) override;
   void handle(const InstructionView& packet, Time received);
   void answerSyncRead(const InstructionView& packet, Time received);
   void answerFastSyncRead(const InstructionView& packet, Time received);
   void applySyncWrite(const InstructionView& packet);
-  void send(std::vector<std::uint8_t> bytes, Time due);
-  void queue(std::vector<std::uint8_t> bytes, Time due);
   SimulatedServo* find(std::uint8_t id);
-  Duration lineTime(std::size_t bytes) const;
 
-  mutable std::mutex mutex_;
   std::vector<SimulatedServo> servos_;
-  int baud_;
   bool fast_sync_read_ = true;
   PacketReader reader_;
-  std::deque<Answer> answers_;  // ascending by due time
-  Time line_free_{};            // when the last answer has left the line
-  LineFaults faults_;
-  LineFaultCounts counts_;
-  std::mt19937 random_;
-  std::thread thread_;
-  std::atomic<bool> running_{false};
-  ByteStream* line_ = nullptr;
 };
 
 }  // namespace sinew

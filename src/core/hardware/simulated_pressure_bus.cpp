@@ -8,16 +8,13 @@
 namespace sinew {
 namespace {
 
-using Lock = std::lock_guard<std::mutex>;
-
 constexpr double kTurnaround = 200e-6;  // s until a board begins to answer
-constexpr std::size_t kReadSize = 512;
 
 }  // namespace
 
 SimulatedPressureBus::SimulatedPressureBus(const std::vector<Place>& places, int baud,
                                            const SimulatedPressureBoard::Parameters& parameters)
-    : answers_(baud) {
+    : SimulatedSerialBus(baud) {
   for (const Place& p : places) {
     const auto same = [&p](const SimulatedPressureBoard& b) { return b.address() == p.address; };
     auto board = std::find_if(boards_.begin(), boards_.end(), same);
@@ -27,11 +24,6 @@ SimulatedPressureBus::SimulatedPressureBus(const std::vector<Place>& places, int
                         "0 to " + std::to_string(board->size() - 1));
     places_.push_back({static_cast<std::size_t>(board - boards_.begin()), p.channel});
   }
-}
-
-SimulatedPressureBus::~SimulatedPressureBus() {
-  running_ = false;
-  if (thread_.joinable()) thread_.join();
 }
 
 // --- Mechanics and faults ---
@@ -91,66 +83,15 @@ void SimulatedPressureBus::setPumpBroken(int i, bool broken) {
   boardOf(i).setPumpBroken(broken);
 }
 
-void SimulatedPressureBus::setLineFaults(const LineFaults& faults) {
-  const Lock lock(mutex_);
-  answers_.setFaults(faults);
-}
-
-LineFaultCounts SimulatedPressureBus::lineFaultCounts() const {
-  const Lock lock(mutex_);
-  return answers_.counts();
-}
-
 // --- The line ---
 
-void SimulatedPressureBus::receive(const std::uint8_t* data, std::size_t size, Time now) {
-  const Lock lock(mutex_);
+void SimulatedPressureBus::take(const std::uint8_t* data, std::size_t size, Time now) {
   const Time heard = answers_.occupy(size, now);
   for (SimulatedPressureBoard& b : boards_) {
     frames_.clear();
     b.take(data, size, frames_);
     for (AnswerQueue::Bytes& frame : frames_) answers_.send(std::move(frame), heard + duration(kTurnaround));
   }
-}
-
-std::size_t SimulatedPressureBus::transmit(std::uint8_t* data, std::size_t capacity, Time now) {
-  const Lock lock(mutex_);
-  return answers_.transmit(data, capacity, now);
-}
-
-Time SimulatedPressureBus::nextDue() const {
-  const Lock lock(mutex_);
-  return answers_.nextDue();
-}
-
-StreamStatus SimulatedPressureBus::poll(ByteStream& line, Duration timeout) {
-  std::uint8_t data[kReadSize];
-  const Time now = line.now(), due = nextDue();
-  const Duration until_due = due == Time::max() ? timeout : std::max(Duration{0}, Duration(due - now));
-  const StreamResult in = line.read(data, sizeof data, std::min(timeout, until_due));
-  if (in.status == StreamStatus::kClosed) return in.status;
-  if (in.count > 0) receive(data, in.count, line.now());
-  const std::size_t out = transmit(data, sizeof data, line.now());
-  if (out > 0 && line.write(data, out, duration(0.01)).status == StreamStatus::kClosed) return StreamStatus::kClosed;
-  return in.count + out > 0 ? StreamStatus::kOk : StreamStatus::kTimeout;
-}
-
-void SimulatedPressureBus::start(ByteStream& line) {
-  stop();
-  line_ = &line;
-  running_ = true;
-  thread_ = std::thread(&SimulatedPressureBus::serve, this);
-}
-
-void SimulatedPressureBus::stop() {
-  running_ = false;
-  if (thread_.joinable()) thread_.join();
-}
-
-void SimulatedPressureBus::serve() {
-  const auto kWait = std::chrono::milliseconds(20);
-  while (running_)
-    if (poll(*line_, kWait) == StreamStatus::kClosed) std::this_thread::sleep_for(kWait);
 }
 
 }  // namespace sinew

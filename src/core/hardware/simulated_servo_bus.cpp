@@ -8,10 +8,6 @@
 namespace sinew {
 namespace {
 
-using Lock = std::lock_guard<std::mutex>;
-
-constexpr double kBitsPerByte = 10;  // start, 8 data, stop
-
 std::size_t index(int servo) {
   return static_cast<std::size_t>(servo);
 }
@@ -36,7 +32,7 @@ SimulatedServoBus::SimulatedServoBus(const std::vector<std::uint8_t>& ids, int b
 
 SimulatedServoBus::SimulatedServoBus(const std::vector<std::uint8_t>& ids, int baud,
                                      const std::vector<SimulatedServo::Parameters>& parameters)
-    : baud_(baud) {
+    : SimulatedSerialBus(baud) {
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (ids[i] > kMaxServoId || find(ids[i]) != nullptr)
       throw ConfigError("simulated servo id", std::to_string(ids[i]), "each id once, 0 to 252");
@@ -44,18 +40,10 @@ SimulatedServoBus::SimulatedServoBus(const std::vector<std::uint8_t>& ids, int b
   }
 }
 
-SimulatedServoBus::~SimulatedServoBus() {
-  stop();
-}
-
 SimulatedServo* SimulatedServoBus::find(std::uint8_t id) {
   for (SimulatedServo& s : servos_)
     if (s.id() == id) return &s;
   return nullptr;
-}
-
-Duration SimulatedServoBus::lineTime(std::size_t bytes) const {
-  return duration(kBitsPerByte * static_cast<double>(bytes) / baud_);
 }
 
 // --- Mechanics and faults ---
@@ -125,21 +113,9 @@ SimulatedServo SimulatedServoBus::servo(int servo) const {
   return servos_.at(index(servo));
 }
 
-void SimulatedServoBus::setLineFaults(const LineFaults& faults) {
-  const Lock lock(mutex_);
-  faults_ = faults;
-  random_.seed(faults.seed);
-}
-
-LineFaultCounts SimulatedServoBus::lineFaultCounts() const {
-  const Lock lock(mutex_);
-  return counts_;
-}
-
 // --- The line ---
 
-void SimulatedServoBus::receive(const std::uint8_t* data, std::size_t size, Time now) {
-  const Lock lock(mutex_);
+void SimulatedServoBus::take(const std::uint8_t* data, std::size_t size, Time now) {
   reader_.put(data, size);
   InstructionView packet;
   while (reader_.next(packet)) {
@@ -148,61 +124,8 @@ void SimulatedServoBus::receive(const std::uint8_t* data, std::size_t size, Time
       s.setMilliseconds(ms);
       s.feedWatchdog();
     }
-    line_free_ = std::max(line_free_, now) + lineTime(packet.frame_size);
-    handle(packet, line_free_);
+    handle(packet, answers_.occupy(packet.frame_size, now));
   }
-}
-
-std::size_t SimulatedServoBus::transmit(std::uint8_t* data, std::size_t capacity, Time now) {
-  const Lock lock(mutex_);
-  std::size_t count = 0;
-  while (!answers_.empty() && answers_.front().due <= now && answers_.front().bytes.size() <= capacity - count) {
-    const std::vector<std::uint8_t>& bytes = answers_.front().bytes;
-    std::copy(bytes.begin(), bytes.end(), data + count);
-    count += bytes.size();
-    answers_.pop_front();
-  }
-  return count;
-}
-
-Time SimulatedServoBus::nextDue() const {
-  const Lock lock(mutex_);
-  return answers_.empty() ? Time::max() : answers_.front().due;
-}
-
-// A status packet of its own: `ready` is when its device may start to send.
-void SimulatedServoBus::send(std::vector<std::uint8_t> bytes, Time ready) {
-  Time due = std::max(ready, line_free_) + lineTime(bytes.size());
-  line_free_ = due;
-  const double u = std::uniform_real_distribution<double>(0, 1)(random_);
-  if (u < faults_.corrupt) {
-    ++counts_.corrupted;
-    std::uniform_int_distribution<std::size_t> bit(0, 8 * bytes.size() - 1);
-    const std::size_t first = bit(random_);  // flipped once for sure: the others never fall on it again
-    for (std::size_t n = std::uniform_int_distribution<std::size_t>(0, 2)(random_); n > 0; --n) {
-      const std::size_t other = bit(random_);
-      if (other != first) bytes[other / 8] = static_cast<std::uint8_t>(bytes[other / 8] ^ (1u << other % 8));
-    }
-    bytes[first / 8] = static_cast<std::uint8_t>(bytes[first / 8] ^ (1u << first % 8));
-  } else if (u < faults_.corrupt + faults_.drop) {
-    ++counts_.dropped;
-    return;
-  } else if (u < faults_.corrupt + faults_.drop + faults_.delay) {
-    ++counts_.delayed;
-    due += duration(faults_.delay_time);
-  } else if (u < faults_.corrupt + faults_.drop + faults_.delay + faults_.duplicate) {
-    ++counts_.duplicated;
-    line_free_ += lineTime(bytes.size());
-    queue(bytes, line_free_);
-  } else {
-    ++counts_.sent;
-  }
-  queue(std::move(bytes), due);
-}
-
-void SimulatedServoBus::queue(std::vector<std::uint8_t> bytes, Time due) {
-  const auto later = [](Time t, const Answer& a) { return t < a.due; };
-  answers_.insert(std::upper_bound(answers_.begin(), answers_.end(), due, later), Answer{due, std::move(bytes)});
 }
 
 void SimulatedServoBus::handle(const InstructionView& packet, Time received) {
@@ -250,7 +173,7 @@ void SimulatedServoBus::handle(const InstructionView& packet, Time received) {
     if (packet.id == kBroadcastId && packet.instruction != Instruction::kPing) continue;
     if (s.value(servo_register::kStatusReturnLevel) < answer_level) continue;
     const Duration delay = duration(s.value(servo_register::kReturnDelay) * kReturnDelayUnit);
-    send(makeStatus(id, s.errorField(error), data.data(), data.size()), received + delay);
+    answers_.send(makeStatus(id, s.errorField(error), data.data(), data.size()), received + delay);
   }
 }
 
@@ -263,7 +186,8 @@ void SimulatedServoBus::answerSyncRead(const InstructionView& packet, Time recei
     const ServoError error = s->read(word(packet.parameters), data.size(), data.data());
     const std::size_t size = error == ServoError::kNone ? data.size() : 0;
     const Duration delay = duration(s->value(servo_register::kReturnDelay) * kReturnDelayUnit);
-    send(makeStatus(s->id(), s->errorField(error), data.data(), size), std::max(received, line_free_) + delay);
+    answers_.send(makeStatus(s->id(), s->errorField(error), data.data(), size),
+                  std::max(received, answers_.lineFree()) + delay);
   }
 }
 
@@ -295,7 +219,7 @@ void SimulatedServoBus::answerFastSyncRead(const InstructionView& packet, Time r
     out.push_back(static_cast<std::uint8_t>(crc >> 8));
     delay += duration(s->value(servo_register::kReturnDelay) * kReturnDelayUnit);
   }
-  if (out.size() > 8) send(std::move(out), received + delay);
+  if (out.size() > 8) answers_.send(std::move(out), received + delay);
 }
 
 void SimulatedServoBus::applySyncWrite(const InstructionView& packet) {
@@ -305,36 +229,6 @@ void SimulatedServoBus::applySyncWrite(const InstructionView& packet) {
     SimulatedServo* s = find(packet.parameters[i]);
     if (s != nullptr && s->answers()) s->write(address, packet.parameters + i + 1, size);
   }
-}
-
-StreamStatus SimulatedServoBus::poll(ByteStream& line, Duration timeout) {
-  std::uint8_t data[PacketReader::kMaxFrame];
-  const Time now = line.now(), due = nextDue();
-  const Duration until_due = due == Time::max() ? timeout : std::max(Duration{0}, Duration(due - now));
-  const StreamResult in = line.read(data, sizeof data, std::min(timeout, until_due));
-  if (in.status == StreamStatus::kClosed) return in.status;
-  if (in.count > 0) receive(data, in.count, line.now());
-  const std::size_t out = transmit(data, sizeof data, line.now());
-  if (out > 0 && line.write(data, out, duration(0.01)).status == StreamStatus::kClosed) return StreamStatus::kClosed;
-  return in.count + out > 0 ? StreamStatus::kOk : StreamStatus::kTimeout;
-}
-
-void SimulatedServoBus::start(ByteStream& line) {
-  stop();
-  line_ = &line;
-  running_ = true;
-  thread_ = std::thread(&SimulatedServoBus::serve, this);
-}
-
-void SimulatedServoBus::stop() {
-  running_ = false;
-  if (thread_.joinable()) thread_.join();
-}
-
-void SimulatedServoBus::serve() {
-  const auto kWait = std::chrono::milliseconds(20);
-  while (running_)
-    if (poll(*line_, kWait) == StreamStatus::kClosed) std::this_thread::sleep_for(kWait);
 }
 
 }  // namespace sinew
