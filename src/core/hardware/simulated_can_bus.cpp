@@ -29,7 +29,8 @@ double calcFrameTime(const CanFrame& frame, int bitrate) {
   const int data = frame.remote ? 0 : 8 * frame.size;
   const int bits = (frame.extended ? 64 : 44) + data;
   const int stuffed = (frame.extended ? 54 : 34) + data;  // start of frame to the end of the CRC
-  return static_cast<double>(bits + (stuffed - 1) / 4 + 3) / bitrate;
+  const int stuff_bits = (stuffed - 1) / 4;
+  return static_cast<double>(bits + stuff_bits + 3) / bitrate;
 }
 
 SimulatedCanBus::SimulatedCanBus(std::vector<Member> members, int bitrate) : bitrate_(bitrate) {

@@ -87,6 +87,7 @@ std::unique_ptr<SimulatedBus> makeCanBus(const HardwareDescription& hardware, in
 std::unique_ptr<SimulatedBus> makePressureBus(const HardwareDescription& hardware, int bus) {
   const std::vector<int> actuators = hardware.actuatorsOn(bus);
   std::vector<SimulatedPressureBus::Place> places;
+  places.reserve(actuators.size());
   for (const int i : actuators) places.push_back({actuator(hardware, i).id, actuator(hardware, i).channel});
   return std::make_unique<SimulatedPressureBus>(places, hardware.buses[static_cast<std::size_t>(bus)].baud,
                                                 makeBoardParameters(hardware, actuators));
