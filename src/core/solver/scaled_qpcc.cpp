@@ -65,7 +65,7 @@ void ScaledQpcc::update(const QpccProblem& problem) {
 void ScaledQpcc::updateContacts(const QpccProblem& problem) {
   std::fill(merged_.begin(), merged_.end(), 0);
   rigid_.clear();
-  diagonal_.head(problem.size.contacts) = problem.C_c.diagonal().head(problem.size.contacts);
+  for (int i = 0; i < problem.size.contacts; ++i) diagonal_(i) = problem.C_c(i, i);
   size.contacts = 0;
   for (int i = 0; i < problem.size.contacts; ++i) {
     if (!(problem.C_c(i, i) > 0)) {
