@@ -167,14 +167,22 @@ class Bench {
       const ActuatorDescription& a = description_.actuators[i];
       const double range = a.max - a.min, applied = driver.report().applied[i];
       double excess = std::max(a.min - applied, applied - a.max) / range - 0.05;
+      if (takesCommands(driver.report().state)) {
+        EXPECT_TRUE(applied >= a.min && applied <= a.max) << a.name << " is told " << applied;
+        // From one cycle to the next, which may follow on one that was late.
+        if (last_applied_.size() == 2) {
+          EXPECT_LE(std::abs(applied - last_applied_[i]), 2 * a.rate_max * kPeriod * (1 + 1e-9)) << a.name;
+        }
+      }
       if (pneumatic()) excess = std::max(excess, (hardware.value(static_cast<int>(i)) - 70000) / 70000 - 0.05);
       worst_excess_ = std::max(worst_excess_, excess);
     }
+    last_applied_ = takesCommands(driver.report().state) ? driver.report().applied : std::vector<double>();
   }
 
   CommandReader reader_;
   Condition condition_;
-  std::vector<double> set_point_, base_;
+  std::vector<double> set_point_, base_, last_applied_;
   double phase_ = 0, worst_excess_ = -1;
   std::uint32_t sequence_ = 0;
 };

@@ -373,8 +373,8 @@ void HardwareDriver::fillReport(Time now) {
     report_.zero_counts[i] = report_.actuators[i].zero_valid ? devices_->zeroCounts(static_cast<int>(i))
                                                              : std::numeric_limits<double>::quiet_NaN();
   }
-  // Where nothing holds a set point, it follows the measurement, so that whoever commands next starts from there.
   report_.state = state_;
+  // Where nothing holds a set point, it follows the measurement, so that whoever commands next starts from there.
   report_.applied = takesCommands(state_) ? limiter_.applied() : measured_;
   report_.command_age = gate_.age(now);
   report_.session = gate_.session();
